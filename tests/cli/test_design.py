@@ -78,27 +78,6 @@ def test_radius():
     assert abs(float(front[0]["t10"]) / float(rows[-1]["t10"]) - 1) < 1e-4
 
 
-def test_figure():
-    """Grains at the limits have the full colours, and the key names the limits."""
-    run("design", N200, "--goal=delay", "--iterations=30", "--rows=grains", "-o", "factors.tsv")
-    run("plot", "grains", N200, "factors.tsv", "-o", "factors.svg")
-    with open(os.path.join(FOLDER.name, "factors.svg")) as file:
-        svg = file.read()
-    colours = re.findall(r'fill[=:] *"?(rgb[^")]*\))', svg)
-    assert len(set(colours)) > 30, "tints between the limits"
-    assert "factor: 0.5 to 2" in svg
-    run("coda", N200, "--grain=78", "--noise=0.3", "--rows=200", "-o", "places.tsv")
-    run("plot", "grains", N200, "places.tsv", "-o", "places.svg")
-    run("plot", "grains", N200, "-o", "none.svg", status=2)
-    run("plot", "grains", N200, N200, "-o", "none.svg", status=1)
-    with open(os.path.join(FOLDER.name, "even.tsv"), "w") as file:
-        file.write("grain\tfactor\n" + "".join(f"{i}\t1\n" for i in range(200)))
-    run("plot", "grains", N200, "even.tsv", "-o", "none.svg", status=1)
-    with open(os.path.join(FOLDER.name, "even.tsv"), "w") as file:
-        file.write("grain\tfactor\n700\t2\n")
-    run("plot", "grains", N200, "even.tsv", "-o", "none.svg", status=1)
-
-
 def test_refuses():
     for words, named in (([], "--goal"), (["--goal=late"], "--goal late"), (["--goal=band"], "--goal band"),
                          (["--goal=band:2:1"], "goal"), (["--goal=delay:1"], "--goal delay:1"), (["--goal=delay", "--limits=2"], "--limits 2"),
@@ -123,6 +102,6 @@ def test_all_frequencies():
     assert high == higher, (high, higher)
 
 
-for test in (test_mass, test_precursor, test_modulus, test_radius, test_figure, test_refuses, test_all_frequencies):
+for test in (test_mass, test_precursor, test_modulus, test_radius, test_refuses, test_all_frequencies):
     test()
 print("designs are heard as they were promised")

@@ -80,12 +80,6 @@ def main():
     assert abs(narrow - number(sensitivity(N200)[0], "value")) < 0.02
     with tempfile.TemporaryDirectory() as folder:
         check_shared_grains(folder)
-        saved, picture = os.path.join(folder, "s.tsv"), os.path.join(folder, "s.svg")
-        run("sensitivity", N200, "--of", "peak", "-o", saved)
-        run("plot", "sensitivity", N200, saved, "-o", picture)
-        text = open(picture).read()
-        assert text.startswith("<?xml") and len(text) > 20000
-        assert names_all(run("plot", "sensitivity", N200, N200, "-o", picture, "--force", status=1), "")
     for words, key in ((("--of", "t11"), "--of t11"), (("--by", "kn,mass"), "--by kn,mass"), (("--of", "F"), "--at"),
                        (("--at", "3"), "--at"), (("--of", "cl", "--pulse", "gauss:1"), "--pulse"), (("--by", "k"), "--by k")):
         assert names_all(run("sensitivity", N200, *words, status=2), key), words

@@ -259,32 +259,6 @@ def test_usage():
     run("spectrum", "dos", "no_such_file", status=1)
 
 
-def test_plots():
-    with tempfile.TemporaryDirectory() as folder:
-        for kind, words in (("dos", []), ("transmission", []), ("participation", []), ("dispersion", []),
-                            ("harmonic", ["--damping", 0.1])):
-            path = os.path.join(folder, kind + ".tsv")
-            run("spectrum", kind, N200, *words, "-o", path)
-            figure = "dispersion" if kind == "dispersion" else "spectrum"
-            for ending in ("svg", "png", "pdf"):
-                out = os.path.join(folder, f"{kind}.{ending}")
-                run("plot", figure, path, "-o", out)
-                assert os.path.getsize(out) > 2000
-        run("modes", N200, "-o", os.path.join(folder, "modes.tsv"))
-        run("plot", "spectrum", os.path.join(folder, "modes.tsv"), "-o", os.path.join(folder, "modes.svg"))
-        run("plot", "spectrum", N200, N600, "-o", os.path.join(folder, "two.svg"))
-        assert "packing" in open(os.path.join(folder, "two.svg")).read()  # the legend names the files
-        run("plot", "mode", N200, "-o", os.path.join(folder, "mode.svg"))
-        run("plot", "mode", N200, "--mode", 100, "-o", os.path.join(folder, "mode100.svg"))
-        assert "= 100" in open(os.path.join(folder, "mode100.svg")).read()
-        run("plot", "mode", N200, "--mode", 100000, "-o", os.path.join(folder, "no.svg"), status=2)
-        run("plot", "mode", N200, "--mode", 0, "-o", os.path.join(folder, "no.svg"), status=1)
-        run("plot", "network", N200, "--mode", 5, "-o", os.path.join(folder, "no.svg"), status=2)
-        run("plot", "spectrum", os.path.join(folder, "dispersion.tsv"), "-o", os.path.join(folder, "no.svg"), status=1)
-        run("plot", "spectrum", os.path.join(folder, "dos.tsv"), os.path.join(folder, "transmission.tsv"), "-o",
-            os.path.join(folder, "no.svg"), status=1)
-
-
 def test_pulses(network, path):
     """Against the sum over modes, the convolution by scipy-free closed forms of a square and by brute force."""
     times = np.linspace(0, 150, 31)
@@ -328,5 +302,4 @@ if __name__ == "__main__":
     test_lattice()
     test_chain_speed()
     test_usage()
-    test_plots()
     print("passed")

@@ -345,28 +345,6 @@ def sweeps(folder):
     assert [len(table[2]) for table in signals] == [41, 41]
 
 
-def figure(folder, store):
-    tsv, csv = folder / "dos.tsv", folder / "dos.csv"
-    run("table", "spectrum", "--store", store, "--bins", "30", "-o", tsv)
-    run("table", "spectrum", "--store", store, "--bins", "30", "-o", csv)
-    run("plot", "spectrum", tsv, "-o", folder / "dos.svg")
-    drawn = (folder / "dos.svg").read_text()
-    # 60 corners of the steps, and a band of 120
-    assert drawn.count(" L ") >= 150, drawn.count(" L ")
-    assert "\nmean, 95% interval\n" in drawn and "\ndos\n" not in drawn
-    run("plot", "spectrum", tsv, csv, "-o", folder / "both.png")
-    run("table", "spectrum", "--store", store, "--bins", "30", "-o", folder / "again.tsv")
-    run("plot", "spectrum", tsv, folder / "again.tsv", "-o", folder / "both.svg")
-    drawn = (folder / "both.svg").read_text()
-    # names without endings: the comments are the same
-    assert "\ndos\nagain\nmean, 95% interval\n" in drawn, drawn[:600]
-    (packing,) = [path for path in sorted(store.glob("*.h5"))[:1]]
-    run("spectrum", "dos", packing, "-o", folder / "one.tsv")
-    assert run("plot", "spectrum", tsv, folder / "one.tsv", "-o", folder / "x.svg", status=1).stderr
-    other = run("plot", "spectrum", store / "manifest.tsv", "-o", folder / "x.svg", status=1)
-    assert names_all(other.stderr, "spectrum")
-
-
 with tempfile.TemporaryDirectory(prefix="sonopack-spectra-") as name:
     folder = pathlib.Path(name)
     store = folder / "store"

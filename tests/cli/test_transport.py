@@ -143,24 +143,6 @@ def chain(*arguments):
     return comments, {name: [float(cell[c]) for cell in cells] for c, name in enumerate(header)}
 
 
-def test_figure(folder):
-    tables = [os.path.join(folder, name + ".tsv") for name in ("kubo", "coherent", "split")]
-    figure = os.path.join(folder, "transport.svg")
-    run("transport", N600, "--quantity", "kubo", "--at", "0.2:0.5:4", "-o", tables[0])
-    run("transport", N600, "--quantity", "coherent", "--at", "0.06:0.3:4", "-o", tables[1])
-    run("transport", N200, "--quantity", "split", "--at", "0.3", "-o", tables[2])
-    run("plot", "transport", *tables[:2], "-o", figure)
-    both = open(figure).read()
-    assert "(a)" in both and "(b)" in both and "mean free path" in both
-    run("plot", "transport", tables[1], "-o", figure, "--force")
-    one = open(figure).read()
-    assert "(a)" not in one and "mean free path" in one
-    assert names_all(run("plot", "transport", tables[2], "-o", figure, "--force", status=1), "D path")
-    with open(tables[2], "w") as file:
-        file.write("D\tD_err\n1\t0.1\n")
-    assert names_all(run("plot", "transport", tables[2], "-o", figure, "--force", status=1), "omega")
-
-
 def test_lattice(folder):
     """In a lattice nothing is scattered: a bound for the mean free path, no diffusivity."""
     scene = os.path.join(folder, "lattice.cfg")
@@ -213,5 +195,4 @@ with tempfile.TemporaryDirectory() as folder:
     test_energy(other)
     test_chain()
     test_lattice(folder)
-    test_figure(folder)
     test_refused()
