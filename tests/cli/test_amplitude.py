@@ -3,7 +3,6 @@
 Usage: test_amplitude.py COMMAND SOURCE_DIR"""
 import math
 import os
-import pathlib
 import tempfile
 
 from test_signal import N200, run, table

@@ -2,7 +2,6 @@
 """sonopack design: its packing, made again and heard, against its own table; what it refuses.
 Usage: test_design.py COMMAND SOURCE_DIR"""
 import os
-import re
 import subprocess
 import sys
 import tempfile

@@ -1,5 +1,5 @@
 """The part spectrum of a store and its table: every frequency against a network that numpy builds from the packing, the
-histogram's means and errors against numpy's, what is kept, made anew and refused, and the figure.
+histogram's means and errors against numpy's and what is kept, made anew and refused.
 
 usage: test_study_spectrum.py COMMAND SOURCE_DIR
 """
@@ -351,6 +351,6 @@ with tempfile.TemporaryDirectory(prefix="sonopack-spectra-") as name:
     for test, arguments in ((frequencies, (folder, store)), (histograms, (store,)), (zero_modes, (folder,)),
                             (intervals, (folder,)), (other_parts_join, (folder, store)), (resumed, (folder, store)),
                             (verified, (folder, store)), (refused, (folder, store)), (too_large, (folder,)),
-                            (chains, (folder,)), (sweeps, (folder,)), (figure, (folder, store))):
+                            (chains, (folder,)), (sweeps, (folder,))):
         test(*arguments)
         print(test.__name__, "ok", flush=True)
