@@ -10,7 +10,7 @@ import pytest
 from common import SOURCE, command, raised
 
 import sonopack
-from sonopack import _core, _records
+from sonopack import _command, _core, _records
 from sonopack._reference import COMMENTS
 
 DISKS = SOURCE / "packings/reference/packing_N200_p1e-4.txt"
@@ -146,3 +146,14 @@ def test_units_are_units():
     (lambda: sonopack.Scene.parse("signal = { points = 1; };", name="keywords.cfg"), "keywords.cfg:1: signal.points")])
 def test_errors_begin_with_what_is_wrong(call, begins):
     assert str(raised(sonopack.InvalidInput, call)).startswith(begins)
+
+
+@pytest.mark.parametrize("setting, says", [
+    ("friktion=0.2", "did you mean packing.friction?"), ("points=7", "unknown key"), ("signal.points=7", "packing or network"),
+    ("friction", "KEY=VALUE"), ("packing.friktion=0.2", "did you mean packing.friction?")])
+def test_set_knows_the_groups_of_its_command(setting, says):
+    """A key without its group is looked for in the groups that the command has, and in no other."""
+    parser = _command.Parser("view", groups="packing network")
+    fault = raised(sonopack.InvalidInput, lambda: parser.scene(parser.parse_args(["--set", setting])))
+    assert says in str(fault) and "signal." not in str(fault).removeprefix(f"--set {setting}")
+    assert parser.scene(parser.parse_args(["--set", "friction=0.25"]))["packing.friction"] == 0.25
