@@ -347,26 +347,6 @@ def flipped_packings(folder):
         assert content(store) == reference.content[1], dataset
 
 
-def rotten_bytes(folder):
-    """Bytes that changed by themselves, file and time as they were: any of them is found by --verify."""
-    reference = Reference(folder / "rot", SIX)
-    store = fresh(reference, folder)
-    study(reference, store)
-    seed = random.randrange(10 ** 6)
-    dice = random.Random(seed)
-    print("seed", seed)
-    for _ in range(12):
-        victim = dice.choice(samples(store))
-        times = victim.stat()
-        flip(victim, dice.randrange(times.st_size))
-        os.utime(victim, ns=(times.st_atime_ns, times.st_mtime_ns))
-        done = run("study", "--store", store, "--verify", "--tolerance", "0.01", status=1)
-        assert names_all(done.stderr, "1"), done.stderr
-        again = study(reference, store)
-        assert made_now(again.stderr) == 1 and again.stdout == reference.stdout[1]
-        assert content(store) == reference.content[1]
-
-
 def copied_stores(folder):
     """Files with other times and the same bytes are as good: nothing is made, and the manifest has the new times."""
     reference = Reference(folder / "copied", SIX)
@@ -590,7 +570,7 @@ def inside_the_namespace(folder):
 
 def main():
     skipped = False
-    for test in (refused_calls, small_disks, not_ours, damaged_files, damaged_records, flipped_packings, rotten_bytes, copied_stores,
+    for test in (refused_calls, small_disks, not_ours, damaged_files, damaged_records, flipped_packings, copied_stores,
                  manifests, odd_locks, stale_manifest, earlier_version, old_temporaries):
         with tempfile.TemporaryDirectory() as name:
             reason = test(pathlib.Path(name))

@@ -142,6 +142,8 @@ static sp_status compare_signals(const sp_signal *stored, const sp_signal *again
         if (!(fabs(stored->f[k] - again->f[k]) <= allowed))
             return sp_at_odds(err, "/signal/F", stored->f[k], again->f[k]);
     }
+    if (stored->products < 0)
+        return sp_at_odds(err, "/signal/products", stored->products, again->products);
     return agrees(stored->omega_max, again->omega_max, 0)
                ? SP_OK
                : sp_at_odds(err, "/signal/omega_max", stored->omega_max, again->omega_max);
