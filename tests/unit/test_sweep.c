@@ -442,7 +442,6 @@ static void overrides(void **state) {
     refuses_set(text, "packing.grains=[100, 200]", "packing.grains study.sweep");
     refuses_set(text, "packing.pressure=[1e-6, x]", "packing.pressure");
     refuses_set(text, "packing.sizes=[uniform, box]", "packing.sizes box uniform bidisperse");
-    refuses_set(text, "packing.sizes=[uniform", "packing.sizes");
     char grains[] = "packing.grains=300", *other[] = {grains};
     assert_fails(sp_scene_parse("packing = { height = [10, 20]; };", "s.cfg", 1, other, &s, &err), SP_EINVAL,
                  "s.cfg:1 packing.height packing.grains 300");
