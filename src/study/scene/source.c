@@ -115,7 +115,7 @@ sp_status sp_source_parse(const char *text, const char *name, config_t *out, sp_
     const char *fault = NULL;
     while (*s.at && !fault)
         fault = copy_token(&s);
-    sp_text_add(&s.to, "\n");
+    sp_text_add(&s.to, "%s", "");
     sp_status status = SP_OK;
     if (fault)
         status = sp_fail(err, SP_EINVAL, "%s:%d: %s", name, s.line, fault);
