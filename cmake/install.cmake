@@ -25,13 +25,12 @@ install(DIRECTORY share/sonopack DESTINATION ${CMAKE_INSTALL_DATADIR}) # what ot
 install(FILES README.md CHANGELOG.md CONTRIBUTING.md CITATION.cff LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # with what their links lead to
 install(DIRECTORY docs packings examples DESTINATION ${CMAKE_INSTALL_DOCDIR} PATTERN man EXCLUDE PATTERN api EXCLUDE)
-install(FILES third_party/three/README.md third_party/three/LICENSE third_party/three/SHA256SUMS
-  DESTINATION ${CMAKE_INSTALL_DOCDIR}/third_party/three)
+install(FILES python/sonopack/view/three/README.md python/sonopack/view/three/LICENSE python/sonopack/view/three/SHA256SUMS
+  DESTINATION ${CMAKE_INSTALL_DOCDIR}/python/sonopack/view/three)
 install(DIRECTORY python/examples DESTINATION ${CMAKE_INSTALL_DOCDIR}/python PATTERN __pycache__ EXCLUDE)
 install(FILES tests/package/consumer.c tests/package/consumer_all.c DESTINATION ${CMAKE_INSTALL_DOCDIR}/tests/package)
 install(DIRECTORY tests/foreign/samples DESTINATION ${CMAKE_INSTALL_DOCDIR}/tests/foreign PATTERN __pycache__ EXCLUDE)
 install(FILES .clang-tidy DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES benchmarks/results/protocols.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/benchmarks/results)
 
 # Command and shared libraries find each other wherever the tree is moved.
 file(RELATIVE_PATH bin_to_lib /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})

@@ -21,7 +21,7 @@ from . import __version__
 from ._core import SonopackError, Status, invalid
 from ._records import Material
 from ._scene import Scene, SceneText
-from ._table import Table, material_of
+from ._table import Table, material_of, quantity
 
 DONE, FAILED, USAGE = 0, 1, 2
 
@@ -48,12 +48,20 @@ def usage(text: str) -> SonopackError:
 # ---- options --------------------------------------------------------------------------------------------------------
 
 class Parser(argparse.ArgumentParser):
-    """Options of one command, the common ones included. groups: those of a scene's keys that --set may change."""
+    """Options of one command, the common ones included. groups: those of a scene's keys that --set may change. springs: takes
+    --threshold and --prestress, which are keys of the scene. Parsed arguments have it as `words`."""
 
-    def __init__(self, name: str, groups: str = "", **words: Any) -> None:
+    def __init__(self, name: str, groups: str = "", *, springs: bool = False, **words: Any) -> None:
         super().__init__(prog=f"sonopack {name}", formatter_class=argparse.RawDescriptionHelpFormatter, add_help=False,
                          **words)
         self.command = name
+        self.set_defaults(words=self)
+        if springs:
+            group = self.add_argument_group("Springs")
+            group.add_argument("--threshold", metavar="F",
+                               help="use only contacts with a normal force above F p d^2 (1e-4)")
+            group.add_argument("--prestress", action="store_true",
+                               help="include the effect of the forces at rest when contacts rotate")
         common = self.add_argument_group("Common options")
         common.add_argument("-o", "--output", metavar="FILE", help="write to FILE; its ending sets the format")
         common.add_argument("--force", action="store_true", help="replace an existing file of the same kind")
@@ -76,16 +84,22 @@ class Parser(argparse.ArgumentParser):
         self.groups = groups.split()
 
     def error(self, message: str) -> NoReturn:
-        raise usage(message)
+        raise usage(message.removeprefix("argument "))
 
     def scene(self, arguments: argparse.Namespace) -> Scene:
         """The scene of --set, in which keys may stand without the name of their group."""
         return Scene.read(None, self.keys(arguments))
 
     def keys(self, arguments: argparse.Namespace) -> dict[str, Any]:
+        """Keys of the scene that the command line gives, with their values."""
         if arguments.set and not self.groups:
             raise usage("--set: no key of a scene changes anything here")
-        return dict(_setting(text, self.groups) for text in arguments.set)
+        found = dict(_setting(text, self.groups) for text in arguments.set)
+        if getattr(arguments, "threshold", None) is not None:
+            found["network.threshold"] = SceneText(arguments.threshold)
+        if getattr(arguments, "prestress", False):
+            found["network.prestress"] = True
+        return found
 
 
 class _Usage(argparse.Action):
@@ -138,6 +152,22 @@ def number(low: float, high: float) -> Callable[[str], float]:
             raise argparse.ArgumentTypeError(f"{text:.60}: must be a number {low:g} .. {high:g}")
         return value
     return read
+
+
+def cores() -> int:
+    """How many cores this process may use: what --threads 0 means."""
+    return len(os.sched_getaffinity(0))
+
+
+def amount(name: str, text: str, unit: str, span: tuple[float, float], material: Material | None) -> float:
+    """The number of an option that is in our own unit, or has a unit of its own, as in "50 us", for which a material is needed."""
+    try:
+        value = float(text) if re.fullmatch(r"[0-9+\-.eE]+|nan|inf", text) else quantity(text, unit, material)
+    except (ValueError, SonopackError) as fault:
+        raise usage(f"{name} {text:.60}: {fault}") from None
+    if not span[0] <= value <= span[1]:
+        raise usage(f"{name} {text:.60}: must be {span[0]:g} .. {span[1]:g} {unit}")
+    return value
 
 
 def _setting(text: str, groups: Sequence[str]) -> tuple[str, Any]:

@@ -119,6 +119,11 @@ class Network(_core.Owner):
             raise _core.invalid("u", f"has the shape {vector.shape}, must have {(self.n, self.dof)} or {(self.dofs,)}")
         return vector
 
+    @documented("sp_network_touches")
+    def touches(self, wall: int) -> bool:
+        """Whether a spring leads to this wall: sonopack.BOTTOM, TOP, ..."""
+        return bool(lib.sp_network_touches(self._c, wall))
+
     @documented("sp_network_energy2")
     def energy2(self, u: npt.ArrayLike) -> float:
         """u^T K u."""
@@ -213,17 +218,19 @@ class Network(_core.Owner):
         return _core.record(_records.Front, out)
 
     @documented("sp_signal_field")
-    def field(self, times: npt.ArrayLike, *, source: str = "impulse", at: Where | None = None,
-              threads: int = 1) -> Floats:
-        """Displacements [times][n][dof] after the pulse."""
+    def field(self, times: npt.ArrayLike, *, source: str = "impulse", at: Where | None = None, threads: int = 1,
+              errors: bool = False) -> Any:
+        """Displacements [times][n][dof] after the pulse; with errors=True a pair of them and of bounds of their errors
+        [times]."""
         t = _core.row(times, "times")
         out = np.empty((len(t), self.n, self.dof))
         place = ffi.NULL if at is None else _place.one(at)
         spec = ffi.new("sp_field_options *", {"from": place, "times": len(t), "t": _core.pointer_to(t, "const double *"),
                                               "threads": threads})
         _core.set_fields(spec, {"source": source})
-        call(lib.sp_signal_field, self._c, spec, _core.pointer_to(out), ffi.NULL)
-        return out
+        bounds = np.empty(len(t))
+        call(lib.sp_signal_field, self._c, spec, _core.pointer_to(out), _core.pointer_to(bounds))
+        return (out, bounds) if errors else out
 
     # ---- elasticity -------------------------------------------------------------------------------------------------
 

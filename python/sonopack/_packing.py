@@ -179,6 +179,13 @@ class Packing(_core.Owner):
         """Writes a table of grains and one of contacts."""
         call(lib.sp_packing_save_tables, self._c, c_path(grains), c_path(contacts))
 
+    def of_material(self, material: Material) -> Packing:
+        """The same packing of grains of another material, which tells what its numbers are in SI units."""
+        other = _restored(*self.__reduce__()[1])
+        _set_material(other._c, material)
+        call(lib.sp_material_check, ffi.addressof(other._c, "material"))
+        return other
+
     # ---- what it is like --------------------------------------------------------------------------------------------
 
     @property

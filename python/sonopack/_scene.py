@@ -116,6 +116,17 @@ class Scene(_core.Owner):
         """All keys but those of the group column, as the text of a scene file. It gives the same values, bit for bit."""
         return _taken_text(lib.sp_scene_text(self._c, ffi.NULL))
 
+    def options(self, group: str) -> dict[str, Any]:
+        """The group "network" or "signal" as keywords of packing.network() or network.signal(); a number 0 that stands for a
+        choice of the library is left out."""
+        struct = getattr(self._c, group)
+        names = {"network": ("threshold", "prestress", "sliding_free", "tangential"),
+                 "signal": ("until", "points", "method", "tolerance", "source", "damping", "amplitude", "step", "modes",
+                            "solver")}[group]
+        types = dict(ffi.typeof(struct).fields)
+        found = {name: _core.value_of(types[name].type, getattr(struct, name)) for name in names}
+        return {name: value for name, value in found.items() if name not in ("until", "step", "modes") or value > 0}
+
     @property
     def samples(self) -> int:
         """How many samples a study of this scene makes."""

@@ -249,7 +249,7 @@ def check_alone(scratch):
     for word in ("@import", "url(", "importScripts", "XMLHttpRequest", "fetch(", "WebSocket"):
         own = "".join(text for attributes, text in page.scripts if attributes.get("type") == "module")
         expect(word not in own, f"{word} in the page's own code")
-    three = SOURCE / "third_party" / "three"
+    three = SOURCE / "python" / "sonopack" / "view" / "three"
     expect((three / "three.bundle.min.js").read_text(encoding="utf-8").strip() in page.text, "three.js is not whole")
     expect((three / "LICENSE").read_text(encoding="utf-8").strip() in page.text, "the licence of three.js is missing")
     for line in (three / "SHA256SUMS").read_text().splitlines():
@@ -354,7 +354,7 @@ def check_refusals(scratch):
     refused(scratch, 1, "text.h5", scratch / "text.h5")
     refused(scratch, 1, "cut.h5", scratch / "cut.h5")
     refused(scratch, 1, "missing.h5", good, scratch / "missing.h5", "--no-wave", "--no-modes")
-    refused(scratch, 2, "file")
+    refused(scratch, 2, "FILE")
     refused(scratch, 2, "kept.html --force", good, out="kept.html")
     refused(scratch, 2, "kept.svg.html", good, "--force", out="kept.svg.html")
     for out in ("page.svg", "page.h5", "page", "page.html.txt"):
@@ -362,7 +362,7 @@ def check_refusals(scratch):
     for words in (("--modes", "3:1"), ("--modes", "-1:2"), ("--modes", "1:x"), ("--modes", ""), ("--modes", "1:"),
                   ("--lowest", "0"), ("--lowest", "2.5"), ("--frames", "1"), ("--frames", "2001"), ("--until", "0"),
                   ("--until", "nan"), ("--source", "push"), ("--threshold", "-1")):
-        refused(scratch, 2, words[0], good, *words)
+        refused(scratch, 2, words[0].lstrip("-"), good, *words)
     refused(scratch, 2, "--lowest --modes", good, "--lowest", 3, "--modes", "1:2")
     refused(scratch, 2, "--no-modes --lowest", good, "--lowest", 3, "--no-modes")
     refused(scratch, 2, "--no-wave --frames", good, "--frames", 3, "--no-wave")

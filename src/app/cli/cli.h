@@ -69,7 +69,6 @@ int cmd_study(int argc, char **argv);
 int cmd_table(int argc, char **argv);
 int cmd_uncertainty(int argc, char **argv);
 int cmd_transport(int argc, char **argv);
-int cmd_view(int argc, char **argv);
 int cmd_wave(int argc, char **argv);
 
 /* The commands, in the order of the overview. */

@@ -38,7 +38,7 @@ static const cli_command_row commands[] = {
     {"reproduce", cmd_reproduce, "compare the results of a paper with our own"},
     {"column", cmd_column, "tapped column of particles, discrete and as a continuum"},
     {"plot", cmd_plot, "draw figures"},
-    {"view", cmd_view, "write a page that shows packings, modes and waves in a browser"},
+    {"view", cmd_dispatch, "write a page that shows packings, modes and waves in a browser"},
     {"convert", cmd_convert, "import and export packings"},
     {"bench", cmd_bench, "measure each method's run time against its error"},
     {"completion", cmd_completion, "print the completions for a shell: bash, zsh or fish"},
