@@ -91,21 +91,6 @@ def test_bursts(folder):
         assert planes["F0"][k] > 0, "Hertz's law pushes apart on average"
 
 
-def test_refusals(folder):
-    for arguments, status, words in ((("--amplitudes", "0"), 2, "--amplitudes"), (("--amplitudes", "1e-10"), 2, "--amplitudes"),
-                                     (("--amplitudes", "1,,2"), 2, "--amplitudes"), (("--amplitudes", "x"), 2, "--amplitudes"),
-                                     (("--amplitudes", "1e5"), 1, "amplitude"), (("--tolerance", "1"), 2, "--tolerance"),
-                                     (("--until", "3"), 1, "until"), (("--planes", "3", "--mean"), 2, "--planes --mean"),
-                                     (("--omega", "0.1", "--mean"), 2, "--omega --mean"), (("--cycles", "5"), 2, "--cycles"),
-                                     (("--omega", "0.1", "--cycles", "2"), 2, "--cycles"), (("--omega", "50"), 1, "omega"), (("--set", "signal.points=3"), 2, "--set")):
-        reason = run("amplitude", N200, *arguments, status=status)
-        assert names_all(reason, words), (arguments, reason)
-    cell = os.path.join(folder, "cell.h5")
-    run("pack", "-q", "--set", "packing.cell=periodic", "--set", "packing.protocol=quick", "--set", "packing.grains=60",
-        "--set", "packing.width=6", "-o", cell)
-    assert names_all(run("amplitude", cell, status=1), "periodic")
-
-
 def test_low_packing(folder):
     """In a low packing the quiet front falls back to 0 later than 1.5 times its peak: its width is found all the same."""
     low = os.path.join(folder, "low.h5")
@@ -126,7 +111,6 @@ def main():
         test_chains(folder)
         test_bursts(folder)
         test_low_packing(folder)
-        test_refusals(folder)
 
 
 if __name__ == "__main__":

@@ -82,16 +82,6 @@ def main():
         short = rows(N600, "--at", "1e-9,1e-3,0.1")
         assert [math.isnan(k) for k in short["k"]] == [True, True, False] and list(short["samples"]) == [0, 0, 1], short
         assert names_all(done.stderr, "nan 2 3"), done.stderr
-        flat = pack(os.path.join(folder, "flat.h5"), grains=100, width=24)
-        spheres = pack(os.path.join(folder, "spheres.h5"), dimension=3, grains=100, width=5, friction=0, tolerance=1e-6)
-        for arguments, status, text in (
-                ([flat], 1, "planes at distances of 1"), ([N600, spheres], 1, "has 3 dimensions"), ([N600, flat], 1, "flat.h5"),
-                (["none.h5"], 1, "none.h5"), ([], 2, "no file"), ([N600, "--at", "0"], 2, "--at"),
-                ([N600, "--at", "nan"], 2, "--at"), ([N600, "--at", "0.2:0.1:3"], 2, "LOW must be below HIGH"),
-                ([N600, "--at", "1e6"], 2, "omega = 1e+06"), ([N600, "--part", "2"], 2, "--part"),
-                ([N600, "--spacing", "0"], 2, "--spacing"), ([N600, "--source", "x"], 2, "--source")):
-            reason = run("wave", *arguments, status=status)
-            assert names_all(reason, text), (arguments, reason)
 
 
 main()
