@@ -17,16 +17,16 @@ from ._units import FREQUENCY, TIME, label, refuse, same_unit, unit_text
 from .signals import Trace, traces_of
 
 DECADES = 3.0  # of a map, below its largest value
-STEEP = 0.01  # price of a step by one row of a ridge, in logarithms of what lies on it
+STEEP = 8.0  # price of a ridge for climbing from the lowest row to the highest, in logarithms of what lies on it
 
 
 def ridge(values: Floats, steep: float = STEEP) -> Integers:
     """Rows [columns] of the continuous line through a map [rows][columns] with the most on it: the sum of the logarithms
-    minus `steep` for each row that it climbs or falls is the largest. The largest value of each column alone would jump
+    minus `steep` for the part of all rows that it climbs and falls is the largest. The largest value of each column alone would jump
     between branches."""
     rows, columns = values.shape
     height = np.log(np.maximum(values, np.max(values) * 1e-12))
-    price = steep * np.abs(np.arange(rows)[:, None] - np.arange(rows)[None, :])
+    price = steep / rows * np.abs(np.arange(rows)[:, None] - np.arange(rows)[None, :])
     best, came = height[:, 0], np.empty((columns, rows), int)
     for k in range(1, columns):
         reached = best[None, :] - price
@@ -121,10 +121,9 @@ def spectrogram(*data: Any, material: Material | None = None, ax: Any = None, sc
     found = [_spectrum(one, trace) for trace in traces]
     axes = panels(len(traces), 1, ax=ax, aspect=0.75 if len(traces) == 1 else 0.55)[:, 0]
     most = max(float(power.max()) for _, _, power in found)
+    top = max(int(1.1 * np.flatnonzero(power.max(axis=1) > most * 10**-DECADES)[-1]) + 3 for _, _, power in found)
     for panel, trace, (omega, t, power) in zip(axes, traces, found):
-        cells = _map(panel, t, omega, power, most)
-        top = np.flatnonzero(power.max(axis=1) > most * 10**-DECADES)[-1]
-        panel.set_ylim(0, omega[min(len(omega) - 1, int(1.1 * top) + 2)])
+        cells = _map(panel, t, omega[:top], power[:top], most)
         panel.set_ylabel(label(r"$\omega$", _frequency_unit(trace)))
         if trace.place and len(traces) > 1:
             panel.set_title(trace.place, fontsize=7)
