@@ -153,7 +153,7 @@ def find_snapshots(given: Sequence[Input], times: Sequence[float] | None, scene:
         return [Motion(network, u, False, t=times[0] if times else float("nan"))]
     if len(given) > 1:
         if given[1].is_packing:
-            raise usage(f"plot snapshot: 2 files, {given[1].name} must be a table of displacements")
+            raise refuse(given[1].name, "must be a table of displacements")
         return [_of_table(given[1], given[0].packing, False)]
     network = network_for(given[0], scene)
     if network.cell == "periodic":

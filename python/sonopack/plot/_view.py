@@ -321,7 +321,7 @@ def add_key(found: Sequence[View], entries: Iterable[Any], title: str = "") -> N
         "loc": "lower left" if own else "upper left"}
     for columns in (2, 1):
         box = (fig if own else ax).legend(**words, ncol=columns)
-        extent = box.get_window_extent(fig.canvas.get_renderer())
+        extent = box.get_window_extent()
         if columns == 1 or extent.width <= fig.bbox.width:
             break
         box.remove()

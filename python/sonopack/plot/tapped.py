@@ -126,7 +126,7 @@ def _compare(s: Tapped, ax: Any) -> Axes:
                 lw=0.7 if largest else 1.0, label=_DIFFERENCES[name])
     ax.set(xlim=(t[0], t[-1]), yscale="log" if wide else "linear", xlabel=s.label("$t$", "t"),
            ylabel=s.label("difference from the lattice", next(iter(curves))))
-    legend(ax, ncol=2)
+    legend(ax)
     return ax
 
 
@@ -201,7 +201,7 @@ def _strobe(s: Tapped, ax: Any) -> Any:
     _taps_axis(axes, s, taps)
     axes[0].set_ylabel(s.label("density", "density"))
     axes[1].set_ylabel(s.label(f"$y - y$(tap {taps[0]:.0f})", "y1"))
-    legend(axes[1], ncol=2)
+    legend(axes[1])
     _tagged(axes)
     return axes
 

@@ -7,7 +7,7 @@ from matplotlib.quiver import Quiver
 
 import sonopack
 from sonopack import plot
-from sonopack.plot import _view, maps
+from sonopack.plot import _view, command, maps
 
 matplotlib.use("agg")
 GLASS = sonopack.Material(70e9, 0.22, 2500.0, 1e-3)
@@ -255,8 +255,9 @@ def test_a_spectrogram_finds_the_frequency_of_a_chirp():
 
 # ---- refusals -------------------------------------------------------------------------------------------------------
 
-@pytest.fixture
-def folder(tmp_path, flat):
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, flat):
+    tmp_path = tmp_path_factory.mktemp("maps")
     flat.save(tmp_path / "p.h5")
     made(cell="periodic").save(tmp_path / "q.h5")
     flat.network().modes().save(tmp_path / "m.h5")
@@ -286,28 +287,38 @@ def folder(tmp_path, flat):
     ("mode p.h5 --mode 99999 -o a.svg", 2, "--mode 99999: must be in"), ("mode p.h5 other.tsv -o a.svg", 1, "another packing"),
     ("mode p.h5 mode.tsv --mode 99 -o a.svg", 2, "--mode 99"), ("mode p.h5 short.tsv -o a.svg", 1, "table of displacements"),
     ("snapshot p.h5 mode.tsv -o a.svg", 1, "must be snapshot"), ("snapshot q.h5 -o a.svg", 1, "no walls"),
-    ("snapshot p.h5 m.h5 -o a.svg", 2, "must be a table"), ("mode q.h5 m.h5 -o a.svg", 1, "m.h5"),
+    ("snapshot p.h5 m.h5 -o a.svg", 1, "must be a table"), ("mode q.h5 m.h5 -o a.svg", 1, "m.h5"),
     ("snapshot p.h5 --frames 3 --from 9 --to 2 -o a.svg", 2, "--from 9"), ("network none.h5 -o a.svg", 1, "none.h5"),
     ("spectrogram short.tsv -o a.svg", 1, "64 or more"), ("spectrogram gap.tsv -o a.svg", 1, "equally spaced"),
     ("spectrogram still.tsv -o a.svg", 1, "constant"), ("dispersion skw.tsv -o a.svg", 1, "each pair of k and omega")])
-def test_refusals(sonopack, folder, arguments, status, reason):
+def test_refusals(folder, monkeypatch, arguments, status, reason):
+    monkeypatch.chdir(folder)
     before = sorted(folder.iterdir())
-    done = sonopack("plot", *arguments.split(), status=status)
-    assert reason in done.stderr.split("\n")[0] and sorted(folder.iterdir()) == before
+    with pytest.raises(sonopack.SonopackError) as fault:
+        command.run(command.parser().parse_intermixed_args(arguments.split()))
+    assert (2 if fault.value.status == sonopack.Status.EINVAL else 1) == status
+    assert reason in str(fault.value) and sorted(folder.iterdir()) == before
 
 
-def test_tables_of_displacements_are_read_back(sonopack, folder):
+@pytest.fixture
+def draw(folder, monkeypatch):
+    """Runs `sonopack plot`, in this process."""
+    monkeypatch.chdir(folder)
+    return lambda *words: command.run(command.parser().parse_intermixed_args(words))
+
+
+def test_tables_of_displacements_are_read_back(draw, folder):
     for kind, given in (("mode", "m.h5"), ("mode", "mode.tsv")):
-        sonopack("plot", kind, "p.h5", given, "-o", f"{given}.svg")
-    sonopack("plot", "mode", "p.h5", "-o", "own.svg", "--table", "u.tsv")
+        draw(kind, "p.h5", given, "-o", f"{given}.svg")
+    draw("mode", "p.h5", "-o", "own.svg", "--table", "u.tsv")
     assert (folder / "m.h5.svg").read_bytes() == (folder / "mode.tsv.svg").read_bytes() == (folder / "own.svg").read_bytes()
     assert (folder / "u.tsv").read_text() == (folder / "mode.tsv").read_text()
-    sonopack("plot", "snapshot", "p.h5", "-o", "s.png", "--table", "s.tsv", "--time", "20")
-    sonopack("plot", "snapshot", "p.h5", "s.tsv", "-o", "t.png")
+    draw("snapshot", "p.h5", "-o", "s.png", "--table", "s.tsv", "--time", "20")
+    draw("snapshot", "p.h5", "s.tsv", "-o", "t.png")
     assert (folder / "s.png").read_bytes() == (folder / "t.png").read_bytes()
 
 
-def test_movies_are_numbered(sonopack, folder):
-    sonopack("plot", "snapshot", "p.h5", "--frames", "2", "-o", "w-%03d.png")
-    sonopack("plot", "mode", "p.h5", "--frames", "2", "-o", "m.png")
+def test_movies_are_numbered(draw, folder):
+    draw("snapshot", "p.h5", "--frames", "2", "-o", "w-%03d.png")
+    draw("mode", "p.h5", "--frames", "2", "-o", "m.png")
     assert {"w-001.png", "w-002.png", "m-0001.png", "m-0002.png"} <= {path.name for path in folder.iterdir()}
