@@ -137,6 +137,15 @@ def comments_of(text, reference):
             above = ""
 
 
+# ---- quantities -----------------------------------------------------------------------------------------------------
+
+def quantities(text, reference):
+    """The members of a result are what quantities.inc says of them: meaning and unit."""
+    for struct, member, _, unit, meaning in re.findall(r'^(\w+)\((\w+), "([^"]*)", "([^"]*)", "([^"]*)"\)$', text, re.M):
+        own, fields = reference.get(f"sp_{struct.lower()}", ("", {}))
+        reference[f"sp_{struct.lower()}"] = own, {**fields, member: meaning + (f" [{unit}]" if unit else "")}
+
+
 # ---- records --------------------------------------------------------------------------------------------------------
 
 def python_name(c_name):
@@ -198,6 +207,7 @@ def main():
         text = without_preprocessor(path.read_text())
         comments_of(text, reference)
         code.append(without_comments(text))
+    quantities((include / "sonopack/quantities.inc").read_text(), reference)
     declarations = "".join(code)
     # cffi writes C that does not compile for a pointer to an array of constants; such fields are left out
     declarations = re.sub(r"const \w+ \(\*\w+\)\[\w+\];", "...;", declarations)

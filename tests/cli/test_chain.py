@@ -49,7 +49,7 @@ def signals():
     for grains, tolerance in ((1, 2e-14), (20, 2e-14), (1000, 1e-13), (1000000, 1e-12)):  # scipy's own
         for initial in "AB":
             middle, unit = grains + 1, (grains + 1) ** (1 / 3)
-            s, notes = chain("signal", "--grains", grains, "--initial", initial, "--from", max(0, middle - 6 * unit),
+            s, notes = chain("signal", "--grains", grains, "--initial", initial, "--start", max(0, middle - 6 * unit),
                              "--until", middle + 9 * unit, "--points", 61)
             assert list(s) == ["t", "F", "airy"] and notes["grains"] == str(grains)
             assert np.abs(s["F"] - bessel_sum(grains, initial, s["t"])).max() < tolerance, (grains, initial)
@@ -151,7 +151,7 @@ def wrong_use():
                               (("front", "--initial", "C"), "A B"),
                               (("front", "--set", "packing.grains=3"), "--set"),
                               (("signal", "--grains", 5, "--until", "nan"), "--until"),
-                              (("signal", "--grains", 5, "--from", 3, "--until", 2), "--until"),
+                              (("signal", "--grains", 5, "--start", 3, "--until", 2), "--until"),
                               (("signal", "--grains", 5, "--points", 1), "--points"),
                               (("signal", "--grains", 5, "--wall", 2), "--wall 2"),
                               (("signal", "--grains", 5, "--wall", 0), "--wall 0"),

@@ -171,7 +171,7 @@ def test_harmonic(network, path):
 
 
 def test_participation(network, path):
-    _, t = columns(run("spectrum", "participation", path, "--bins", 6, "--until", 1.2))
+    _, t = columns(run("spectrum", "participation", path, "--bins", 6, "--omega-max", 1.2))
     share = (network.vectors**2).reshape(-1, 3, len(network.squares)).sum(axis=1)
     ratio = 1 / (len(share) * (share**2).sum(axis=0))
     omega = network.frequencies()
@@ -249,7 +249,7 @@ def test_usage():
                   ["dos", N200, "--method", "magic"], ["dos", N200, "--norm", "all"], ["dos", N200, "--bins", "0"],
                   ["dos", N200, "--vectors", "3"], ["dispersion", N200, "--direction", "y"],
                   ["dispersion", N200, "--node", "1"], ["transmission", N200, "--source", "drum"],
-                  ["transmission", N200, "--lines", "--bins", "5"], ["transmission", N200, "--until", "5"],
+                  ["transmission", N200, "--lines", "--bins", "5"], ["transmission", N200, "--omega-max", "5"],
                   ["harmonic", N200, "--at", "0.1,x"], ["harmonic", N200, "--at", "0"], ["harmonic", N200, "--at", "1:2"],
                   ["harmonic", N200, "--at", "2:1:5"], ["harmonic", N200, "--range", "5"],
                   ["harmonic", N200, "--range", "5:900"], ["harmonic", N200, "--source", "displacement"],

@@ -1,6 +1,11 @@
 """sonopack plot: options, files, statuses. One table has the refusals."""
+import re
+
 import numpy as np
 import pytest
+
+from sonopack import SonopackError, Status
+from sonopack.plot import command
 
 SIGNAL = "# units: t [d/sqrt(E* / rho)] F [E* d^2]\nt\tF\n" + "".join(
     f"{t}\t{np.exp(-0.5 * ((t - 40) / 5)**2) - 0.5 * np.exp(-0.5 * ((t - 55) / 5)**2)}\n" for t in np.linspace(0, 99, 300))
@@ -22,7 +27,6 @@ def folder(tmp_path):
 
 def words_of(path):
     """The texts of an SVG, which stand in its comments."""
-    import re
     return re.findall(r"<!-- (.*?) -->", path.read_text())
 
 
@@ -40,7 +44,7 @@ def words_of(path):
     ("ctof c.tsv --set friction=1 -o x.svg", 2, "--set"), ("signal s.tsv --set packing.friction=1 -o x.svg", 2, "--set"),
     ("ctof c.tsv --units si -o x.svg", 2, "needs a material"), ("signal s.tsv --log y -o x.svg", 2, "below 0"),
     ("ctof c.tsv --x 3:1 -o x.svg", 2, "empty range"), ("ctof c.tsv --y : -o x.svg", 2, "LO:HI"),
-    ("ctof c.tsv --y nan:1 -o x.svg", 2, "--y"), ("ctof c.tsv --x -1: -o x.svg", 2, "above 0"),
+    ("ctof c.tsv --y nan:1 -o x.svg", 2, "--y"), ("ctof c.tsv --x -1:2 -o x.svg", 2, "above 0"),
     ("ctof c.tsv --log z -o x.svg", 2, "--log"), ("spectrum c.tsv --column F -o x.svg", 2, "alpha, k or speed"),
     ("mode p.h5 --frames 1 -o x.svg", 2, "2 .. 100000"), ("snapshot p.h5 --from 3 -o x.svg", 2, "needs --frames"),
     ("mode p.h5 --frames 3 -o x%q.svg", 2, "%d or %04d"), ("mode p.h5 --table x.svg -o x.svg", 2, "another file"),
@@ -49,11 +53,21 @@ def words_of(path):
     ("wave c.tsv -o x.svg", 1, "sonopack wave"), ("transport c.tsv -o x.svg", 1, "omega"),
     ("amplitude c.tsv -o x.svg", 1, "sonopack amplitude"), ("modes c.tsv -o x.svg", 1, "no column n"),
     ("ensemble c.tsv -o x.svg", 1, "no column t"), ("scaling c.tsv -o x.svg", 1, "distance or grains")])
-def test_refusals_say_why_and_leave_nothing(sonopack, folder, arguments, status, reason):
+def test_refusals_say_why_and_leave_nothing(monkeypatch, folder, arguments, status, reason):
     before = sorted(folder.iterdir())
-    done = sonopack("plot", *arguments.split(), status=status)
-    assert reason in done.stderr.split("\n")[0] and done.stderr.startswith("sonopack: ") and not done.stdout
+    monkeypatch.chdir(folder)
+    with pytest.raises((SonopackError, OSError)) as caught:
+        command.run(command.parser().parse_intermixed_args(arguments.split()))
+    fault = caught.value
+    assert reason in str(fault)
+    assert (2 if isinstance(fault, SonopackError) and fault.status == Status.EINVAL else 1) == status, str(fault)
     assert sorted(folder.iterdir()) == before
+
+
+def test_statuses_of_the_process(sonopack, folder):
+    done = sonopack("plot", "ctof", "bad.tsv", "-o", "x.svg", status=1)
+    assert done.stderr.startswith("sonopack: bad.tsv: row 1, c_tof = -1") and not done.stdout
+    assert sonopack("plot", "ctof", "c.tsv", status=2).stderr.startswith("sonopack: no -o FILE")
 
 
 def test_looks_change_axes(sonopack, folder):
@@ -61,7 +75,7 @@ def test_looks_change_axes(sonopack, folder):
     sonopack("plot", "ctof", "c.tsv", "--linear", "--y", ":0.5", "--title", "Sound & fury", "--label", "mine", "-o", "x.svg")
     words = words_of(folder / "x.svg")
     assert "Sound &amp; fury" in words or "Sound & fury" in words
-    assert any(word.startswith("mine: ") for word in words) and "0.5" in words
+    assert any(word.startswith("mine: ") for word in words) and {"0.5", "0.50"} & set(words)
     assert not any(word.startswith("mine") for word in words_of(folder / "plain.svg"))
 
 

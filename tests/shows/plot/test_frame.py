@@ -31,7 +31,7 @@ def test_legends_hide_no_data_and_are_not_cut(label):
     box, page = drawn_legend(ax), ax.figure.bbox
     assert page.x0 <= box.x0 and box.x1 <= page.x1 + 1 and box.y1 <= page.y1 + 1
     inside = ax.get_window_extent().overlaps(box.padded(-2))
-    assert not inside or not _frame.hides(ax, box)
+    assert not inside or _frame.Obstacles(ax).leave(box)
     shown = "".join(ax.get_legend().get_texts()[0].get_text().split())
     assert shown == "".join(label.split())
 
