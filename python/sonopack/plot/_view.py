@@ -20,7 +20,7 @@ from matplotlib.quiver import Quiver
 
 from .._core import Floats, Integers
 from .._packing import Packing
-from ._frame import WIDTH, key, new_figure
+from ._frame import WIDTH, new_figure
 
 GRAIN, RATTLER, RIM, WALL = "#f5f5f5", "#b8b8b8", "#8c8c8c", "#404040"
 LATER, EARLIER = "#e69f00", "#0072b2"  # a light and a dark ink: grey print tells them apart
@@ -277,6 +277,13 @@ def views(packing: Packing, ax: Any = None, shift: Floats | None = None) -> list
     return [view.open() for view in found]
 
 
+def picture(height: float) -> Figure:
+    """A figure as wide as a print column [in], which grows for what is added below."""
+    fig = new_figure((WIDTH, height))
+    fig.set_label("picture")
+    return fig
+
+
 def _lay_out(found: Sequence[View]) -> None:
     """A figure as wide as a print column, with the views at one scale."""
     one = found[0]
@@ -287,8 +294,7 @@ def _lay_out(found: Sequence[View]) -> None:
     across = 2 * MARGIN * len(spans) + 2 * THICK * one.boxed * len(spans) + names * len(spans)
     upwards = 2 * MARGIN * len(heights) + 2 * THICK * len(heights) + names * len(heights)
     points = min((WIDTH * 72 - across) / sum(spans), (TALLEST - upwards) / sum(heights))
-    fig = new_figure((WIDTH, (points * sum(heights) + upwards) / 72))
-    fig.set_label("picture")
+    fig = picture((points * sum(heights) + upwards) / 72)
     grid = fig.add_gridspec(len(heights), len(spans), width_ratios=spans, height_ratios=heights)
     for view, place in zip(found, ((0, 0), (0, 1), (1, 0))):
         view.points = points
@@ -308,11 +314,16 @@ def arrow_key(points: float, width: float, colour: str, text: str) -> FancyArrow
 
 
 def add_key(found: Sequence[View], entries: Iterable[Any], title: str = "") -> None:
-    """The key below a picture, for which its figure grows; on Axes that were given below these. In two columns if they
-    fit."""
-    ax, fig, entries = found[0].ax, found[0].ax.figure, list(entries)
+    """The key of a picture."""
     if found[0].solid:
         title = "\n".join(filter(None, (title, "grains at half their size, far ones pale")))
+    key_below(found[0].ax, list(entries), title)
+
+
+def key_below(ax: Axes, entries: Sequence[Any], title: str = "") -> None:
+    """A key below a picture, for which its figure grows; on Axes that were given below these. In two columns if they
+    fit."""
+    fig = ax.figure
     own = fig.get_label() == "picture"
     longest = max((one._dx for one in entries if isinstance(one, FancyArrow)), default=0)
     words: dict[str, Any] = {

@@ -113,6 +113,44 @@ def test_many_disks_become_an_image_in_vector_figures(tmp_path, flat, monkeypatc
     assert b"<image" in (tmp_path / "x.svg").read_bytes()
 
 
+# ---- histograms of contacts -----------------------------------------------------------------------------------------
+
+def direction_table(**more):
+    angle = np.arange(0, 180, 5.0)
+    return sonopack.Table.from_columns({"angle": angle, "all": 1 + 0.5 * np.cos(2 * np.deg2rad(angle))}, None, more)
+
+
+def test_directions_are_arcs_of_the_bins_of_both_sides():
+    ax = plot.angles(direction_table(contacts=1e6, dimension=2))
+    around, radii = ax.lines[0].get_data()
+    for degrees, density in ((0, 1.5), (90, 0.5), (180, 1.5), (270, 0.5), (45, 1.0)):
+        assert np.interp(np.deg2rad(degrees), around, radii) == pytest.approx(density, abs=1e-12)
+    assert "radius: density, isotropic 1" in key_texts(ax)
+
+
+def test_bins_of_few_contacts_are_merged(flat):
+    few, many = (plot.angles(direction_table(contacts=n, dimension=2)).lines[0].get_ydata() for n in (50, 1e6))
+    assert len(np.unique(few)) < len(np.unique(many)) and few.max() < many.max()
+    assert plot.angles(made(grains=120)).name == "polar"
+
+
+def test_directions_in_space_are_a_quarter(solid):
+    table = direction_table(contacts=1e6, dimension=3)
+    ax = plot.angles(table)
+    assert (ax.get_thetamin(), ax.get_thetamax()) == (0, 90)
+
+
+def test_histograms_have_area_one_and_errors():
+    one, two = made(grains=120), made(grains=120, seed=4)
+    from matplotlib.patches import StepPatch
+    alone, both = plot.forces(one), plot.forces(one, two)
+    for ax in (alone, both):
+        for steps in (patch for patch in ax.patches if isinstance(patch, StepPatch)):
+            values, edges, _ = steps.get_data()
+            assert np.sum(values * np.diff(edges)) == pytest.approx(1, abs=0.02)
+    assert not alone.containers and len(both.containers) == 2
+
+
 # ---- sensitivities and grains ---------------------------------------------------------------------------------------
 
 def test_sensitivity_has_symbol_and_unit(flat):
@@ -268,6 +306,8 @@ def folder(tmp_path_factory, flat):
                           "k.tsv": {"contact": [10**6], "by_kn": [1.0]}, "short.tsv": {"t": [0.0, 1.0], "F": [0.0, 1.0]},
                           "gap.tsv": {"t": [*range(99), 200.0], "F": np.arange(100.0)},
                           "still.tsv": {"t": np.arange(100.0), "F": np.ones(100)},
+                          "dull.tsv": {"angle": [0.0, 0.0], "all": [1.0, 1.0]},
+                          "minus.tsv": {"angle": [0.0, 90.0], "all": [1.0, -1.0]},
                           "skw.tsv": {"polarization": ["longitudinal"], "k": [1.0], "omega": [1.0], "S": [1.0]}}.items():
         sonopack.Table.from_columns(columns).save(tmp_path / name)
     other = made(seed=9)
@@ -288,6 +328,9 @@ def folder(tmp_path_factory, flat):
     ("mode p.h5 mode.tsv --mode 99 -o a.svg", 2, "--mode 99"), ("mode p.h5 short.tsv -o a.svg", 1, "table of displacements"),
     ("snapshot p.h5 mode.tsv -o a.svg", 1, "must be snapshot"), ("snapshot q.h5 -o a.svg", 1, "no walls"),
     ("snapshot p.h5 m.h5 -o a.svg", 1, "must be a table"), ("mode q.h5 m.h5 -o a.svg", 1, "m.h5"),
+    ("angles dull.tsv -o a.svg", 1, "must be finite and rise"), ("angles minus.tsv -o a.svg", 1, "all = -1"),
+    ("angles x.tsv -o a.svg", 1, "a table of directions has"), ("forces x.tsv -o a.svg", 1, "a table of contact values has"),
+    ("forces p.h5 far.tsv -o a.svg", 1, "far.tsv"),
     ("snapshot p.h5 --frames 3 --from 9 --to 2 -o a.svg", 2, "--from 9"), ("network none.h5 -o a.svg", 1, "none.h5"),
     ("spectrogram short.tsv -o a.svg", 1, "64 or more"), ("spectrogram gap.tsv -o a.svg", 1, "equally spaced"),
     ("spectrogram still.tsv -o a.svg", 1, "constant"), ("dispersion skw.tsv -o a.svg", 1, "each pair of k and omega")])
