@@ -61,7 +61,7 @@ def _map(ax: Axes, x: Floats, y: Floats, values: Floats, most: float) -> Any:
 
 def _bar(axes: npt.NDArray[Any], cells: Any, text: str) -> None:
     bar = axes.flat[0].figure.colorbar(cells, ax=list(axes.flat), extend="min", aspect=30, pad=0.02)
-    bar.set_label(text)
+    bar.set_label(text, fontsize=7)
 
 
 # ---- waves ----------------------------------------------------------------------------------------------------------
@@ -119,7 +119,7 @@ def spectrogram(*data: Any, material: Material | None = None, ax: Any = None, sc
     if len(traces) > PANELS_MOST:
         raise refuse(one.name, f"{len(traces)} signals: a figure shows 1 to {PANELS_MOST}")
     found = [_spectrum(one, trace) for trace in traces]
-    axes = panels(len(traces), 1, ax=ax, aspect=0.75 if len(traces) == 1 else 0.55)[:, 0]
+    axes = panels(len(traces), 1, ax=ax, aspect=0.85 if len(traces) == 1 else 0.55)[:, 0]
     most = max(float(power.max()) for _, _, power in found)
     top = max(int(1.1 * np.flatnonzero(power.max(axis=1) > most * 10**-DECADES)[-1]) + 3 for _, _, power in found)
     for panel, trace, (omega, t, power) in zip(axes, traces, found):
