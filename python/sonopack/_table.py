@@ -128,6 +128,11 @@ class Table(Mapping[str, npt.NDArray[Any]]):
         call(lib.sp_table_to_si, copy._c, struct)
         return copy
 
+    def add_comment(self, text: str) -> None:
+        """Adds a line behind '#'."""
+        err = ffi.new("sp_error *")
+        _core.check(lib.sp_table_add_comment(self._c, err, b"%s", ffi.new("char[]", os.fsencode(text))), err)
+
     # ---- text -------------------------------------------------------------------------------------------------------
 
     def text(self, format: str = "tsv") -> str:

@@ -108,8 +108,6 @@ PLAIN = {
     "column-bifurcation": "column {in}/column.cfg --set column.particles=1 --set column.output=bifurcation "
                           "--set column.parameter=period --set column.from=0.1 --set column.to=0.3 "
                           "--set column.points=2 --set column.taps=2 --set column.transient=2",
-    "reproduce-errata": "reproduce blackmore2011 --only errata",
-    "reproduce-report": "reproduce blackmore2011 --only errata,symbols -o report",
     "view": "view {in}/P.h5 -o out.html --frames 3 --lowest 2",
     "convert-text": "convert {in}/P.h5 out.txt",
     "convert-hdf5": "convert {in}/P.txt out.h5",

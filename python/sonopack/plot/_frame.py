@@ -161,7 +161,7 @@ def _inside(ax: Axes, entries: list[Any], words: dict[str, Any], frame: Any) -> 
     limits, asked = ax.get_ylim(), getattr(ax, "_sonopack_limits", (None, None))[1] is not None
     sizes = {}
     for columns in (1, 2) if len(entries) > 3 else (1,):
-        sizes[columns] = _size(ax.legend(handles=entries, loc="upper right", ncol=columns, **words))
+        sizes[columns] = _size(ax.legend(handles=entries, loc="upper right", **{"ncol": columns, **words}))
     ax.get_legend().remove()
     for grow in (0.0,) if asked else (0.0, 0.1, 0.2, 0.3, 0.4):
         _raise_top(ax, limits, grow)
@@ -173,7 +173,7 @@ def _inside(ax: Axes, entries: list[Any], words: dict[str, Any], frame: Any) -> 
                 lies = Bbox.from_bounds(frame.x0 + x * (frame.width - width), frame.y0 + y * (frame.height - height), width,
                                         height)
                 if there.leave(lies):
-                    box = ax.legend(handles=entries, loc=place, ncol=columns, borderaxespad=0.1, **words)
+                    box = ax.legend(handles=entries, loc=place, borderaxespad=0.1, **{"ncol": columns, **words})
                     box.set_in_layout(False)
                     return box
     ax.set_ylim(limits)

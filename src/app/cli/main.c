@@ -35,7 +35,7 @@ static const cli_command_row commands[] = {
     {"design", cmd_design, "which grains to change so that a front is late, or a band is left out"},
     {"study", cmd_study, "compute an ensemble of packings and their results; can be interrupted"},
     {"table", cmd_table, "tables of a finished or running study"},
-    {"reproduce", cmd_reproduce, "compare the results of a paper with our own"},
+    {"reproduce", cmd_dispatch, "compare the results of a paper with our own"},
     {"column", cmd_column, "tapped column of particles, discrete and as a continuum"},
     {"plot", cmd_dispatch, "draw figures"},
     {"view", cmd_dispatch, "write a page that shows packings, modes and waves in a browser"},
