@@ -36,8 +36,8 @@ PALE = 0.75  # how much of the colour of the farthest grains is white
 
 @dataclasses.dataclass
 class View:
-    """A packing on Axes, whose coordinates are those of the packing [d]. across, rise: the axes of the packing that run to
-    the right (-1: none) and upwards. points: in a diameter d [pt]. shift [n][3]: of grains that moved [d]."""
+    """A packing on Axes, whose coordinates are those of the packing [d]. across, rise: the axes of the packing that run
+    to the right (-1: none) and upwards. points: in a diameter d [pt]. shift [n][3]: of grains that moved [d]."""
 
     ax: Axes
     packing: Packing
@@ -106,7 +106,8 @@ class View:
         self.ax.set(aspect="equal", xlim=(self.left - beside, right + beside), ylim=(-below, self.height + below),
                     xticks=[], yticks=[])
         self.ax.spines[:].set_visible(False)
-        boxes = [(self.left - beside, low, self.span + 2 * beside, wall) for low in (-wall, self.height)] if below else []
+        ends, wide = (-wall, self.height) if below else (), self.span + 2 * beside
+        boxes = [(self.left - beside, low, wide, wall) for low in ends]
         boxes += [(low, -wall, wall, self.height + 2 * wall) for low in (self.left - wall, right)] if beside else []
         for x, y, width, height in boxes:
             self.ax.add_patch(Rectangle((x, y), width, height, fc=WALL, lw=0, zorder=4))
@@ -204,8 +205,8 @@ class View:
                                            linewidths=thin, zorder=1))
 
     def links(self, contacts: npt.NDArray[Any], widths: Floats, colours: npt.ArrayLike) -> LineCollection:
-        """Lines from centre to centre, or to the wall, along the normals of contacts. widths [contacts] of the lines [pt];
-        colours [contacts][3]. Later ones lie on top, in three dimensions nearer ones."""
+        """Lines from centre to centre, or to the wall, along the normals of contacts. widths [contacts] of the lines
+        [pt]; colours [contacts][3]. Later ones lie on top, in three dimensions nearer ones."""
         r, i, j = self.packing.r, contacts["i"], contacts["j"]
         reach = contacts["n"] * (r[i] + np.where(j < 0, 0, r[np.maximum(j, 0)]) - contacts["overlap"])[:, None]
         if self.packing.dim == 1:
@@ -215,8 +216,9 @@ class View:
         start, delta = self.places[i][order], self.project(reach)[order]
         k, step = self.images(np.minimum(start, start + delta), np.maximum(start, start + delta))
         ends = np.stack([start[k] + step, (start + delta)[k] + step], axis=1)
-        return self._add(LineCollection(ends, linewidths=widths[order][k], colors=_pale(np.asarray(colours), far)[order][k],
-                                        capstyle="round", zorder=2))
+        return self._add(LineCollection(ends, linewidths=widths[order][k],
+                                        colors=_pale(np.asarray(colours), far)[order][k], capstyle="round",
+                                        zorder=2))
 
     def arrows(self, grains: Integers, vectors: Floats, colour: str, *, centred: bool = False,
                width: float = 0.8) -> Quiver:
@@ -261,8 +263,8 @@ def _pale(colours: Floats, far: Floats) -> Floats:
 # ---- figures --------------------------------------------------------------------------------------------------------
 
 def views(packing: Packing, ax: Any = None, shift: Floats | None = None) -> list[View]:
-    """One view, or in three dimensions three at one scale: along y, beside it along x, and below the first from above. On
-    new Axes or on those given."""
+    """One view, or in three dimensions three at one scale: along y, beside it along x, and below the first from above.
+    On new Axes or on those given."""
     planes = [(0, 2), (1, 2), (0, 1)] if packing.dim == 3 else [(packing.dim - 2, packing.dim - 1)]
     given = None if ax is None else list(np.ravel(np.asarray(ax, object)))
     found = [View(None if given is None else given[k], packing, *plane, 1.0, shift)  # type: ignore[arg-type]
@@ -304,8 +306,8 @@ def _lay_out(found: Sequence[View]) -> None:
 def _true_arrow(*, orig_handle: FancyArrow, height: float, **_: Any) -> FancyArrow:
     """The arrow of an entry at its true length."""
     width = orig_handle._width
-    return FancyArrow(0, 0.5 * height, orig_handle._dx, 0, width=width, length_includes_head=True, head_width=3.6 * width,
-                      head_length=4 * width)
+    return FancyArrow(0, 0.5 * height, orig_handle._dx, 0, width=width, length_includes_head=True,
+                      head_width=3.6 * width, head_length=4 * width)
 
 
 def arrow_key(points: float, width: float, colour: str, text: str) -> FancyArrow:
@@ -327,7 +329,8 @@ def key_below(ax: Axes, entries: Sequence[Any], title: str = "") -> None:
     own = fig.get_label() == "picture"
     longest = max((one._dx for one in entries if isinstance(one, FancyArrow)), default=0)
     words: dict[str, Any] = {
-        "handles": entries, "title": title or None, "title_fontsize": 7, "alignment": "left", "fontsize": 7, "borderaxespad": 0.2, "handlelength": max(2.2, longest / 7),
+        "handles": entries, "title": title or None, "title_fontsize": 7, "alignment": "left", "fontsize": 7,
+        "borderaxespad": 0.2, "handlelength": max(2.2, longest / 7),
         "handler_map": {FancyArrow: HandlerPatch(_true_arrow)}, "bbox_to_anchor": (0, 0),
         "loc": "lower left" if own else "upper left"}
     for columns in (2, 1):
@@ -346,7 +349,8 @@ def add_bar(found: Sequence[View], scale: ScalarMappable, text: str) -> Colorbar
     if fig.get_label() == "picture":
         width, tall = fig.get_size_inches()
         fig.set_size_inches(width, tall + 0.5)
-    made: Colorbar = fig.colorbar(scale, ax=[view.ax for view in found], location="bottom", aspect=30, shrink=0.8, pad=0.02)
+    made: Colorbar = fig.colorbar(scale, ax=[view.ax for view in found], location="bottom", aspect=30, shrink=0.8,
+                                  pad=0.02)
     made.set_label(text)
     return made
 

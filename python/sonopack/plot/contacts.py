@@ -44,8 +44,8 @@ def _table(given: Sequence[Input], scene: Scene | None, make: Any) -> Input:
 @styled
 def angles(*data: Any, ax: Any = None, scene: Scene | None = None) -> Axes:
     """Directions of the contacts of packings, at least 3 d from the walls: all, strong and weak contacts. A circle of
-    radius 1 is isotropic. In three dimensions angles are those above the horizontal. data: packings, or a table with the
-    columns angle, all, strong, weak. ax: polar Axes."""
+    radius 1 is isotropic. In three dimensions angles are those above the horizontal. data: packings, or a table with
+    the columns angle, all, strong, weak. ax: polar Axes."""
     one = _table(inputs(data), scene, lib.sp_contact_angles_table)
     angle, densities = _densities(one)
     quarter, merged = one.number("dimension") == 3, _merged(one, len(angle))
@@ -143,8 +143,8 @@ def forces(*data: Any, ax: Any = None, scene: Scene | None = None) -> Axes:
         raise refuse(one.name, f"{len(x)} rows of values, must be 2 or more")
     edges = np.concatenate([[1.5 * x[0] - 0.5 * x[1]], 0.5 * (x[1:] + x[:-1]), [1.5 * x[-1] - 0.5 * x[-2]]])
     ax = panels(ax=ax)[0, 0]
-    for k, (name, text, density) in enumerate(zip(("forces", "stiffnesses"), ("normal force", "normal stiffness"), values)):
-        ax.stairs(density, edges, color=ink(1 + k), ls=dash(k), lw=1.0, label=text)
+    for k, (name, density) in enumerate(zip(("forces", "stiffnesses"), values)):
+        ax.stairs(density, edges, color=ink(1 + k), ls=dash(k), lw=1.0, label=f"normal {('force', 'stiffness')[k]}")
         error = one.errors(name)
         if error is not None and np.any(error > 0):
             ax.errorbar(x, density, yerr=np.nan_to_num(error), ls="none", color=ink(1 + k), elinewidth=0.5, capsize=0)

@@ -1,4 +1,5 @@
-"""Heat maps: waves over wave number and frequency, signals over time and frequency; with the ridges of their branches."""
+"""Heat maps: waves over wave number and frequency, signals over time and frequency; with the ridges of their
+branches."""
 from __future__ import annotations
 
 from typing import Any
@@ -21,9 +22,9 @@ STEEP = 8.0  # price of a ridge for climbing from the lowest row to the highest,
 
 
 def ridge(values: Floats, steep: float = STEEP) -> Integers:
-    """Rows [columns] of the continuous line through a map [rows][columns] with the most on it: the sum of the logarithms
-    minus `steep` for the part of all rows that it climbs and falls is the largest. The largest value of each column alone would jump
-    between branches."""
+    """Rows [columns] of the continuous line through a map [rows][columns] with the most on it: the sum of the
+    logarithms minus `steep` for the part of all rows that it climbs and falls is the largest. The largest value of each
+    column alone would jump between branches."""
     rows, columns = values.shape
     height = np.log(np.maximum(values, np.max(values) * 1e-12))
     price = steep / rows * np.abs(np.arange(rows)[:, None] - np.arange(rows)[None, :])
@@ -72,7 +73,8 @@ _BRANCHES = ("longitudinal", "transverse", "rotational")
 def dispersion_map(one: Input, ax: Any = None) -> Any:
     """S(k, omega) of a table of `sonopack spectrum dispersion --profile', one panel for each polarization."""
     words = one.table["polarization"] if "polarization" in one.table else np.array([])
-    k, omega, s = (one.column(name, "a map needs k, omega and S, as `sonopack spectrum dispersion --profile' prints them")
+    k, omega, s = (one.column(name,
+                              "a map needs k, omega and S, as `sonopack spectrum dispersion --profile' prints them")
                    for name in ("k", "omega", "S"))
     found = [word for word in _BRANCHES if word in words]
     if not found or not np.any(s > 0):
@@ -111,9 +113,9 @@ PANELS_MOST = 6
 
 @styled
 def spectrogram(*data: Any, material: Material | None = None, ax: Any = None, scene: Scene | None = None) -> Any:
-    """The spectral density of a signal over time and frequency, with the ridge of the largest density. data: a signal, a
-    table of signals, or a packing, whose signal is computed with the keys of `scene`. Windows of Hann, an eighth of the
-    signal long; several detectors have a panel each."""
+    """The spectral density of a signal over time and frequency, with the ridge of the largest density. data: a signal,
+    a table of signals, or a packing, whose signal is computed with the keys of `scene`. Windows of Hann, an eighth of
+    the signal long; several detectors have a panel each."""
     one = inputs(data, None, material)[0]
     traces = traces_of(one, scene)
     if len(traces) > PANELS_MOST:

@@ -44,7 +44,7 @@ def test_widths_of_lines_are_forces_and_the_key_has_them(flat):
     ax = plot.network(flat)
     lines, forces = only(ax, LineCollection), flat.contacts["fn"][flat.carrying()]
     widths = np.unique(np.round(lines.get_linewidths(), 9))
-    assert np.allclose(widths / widths[-1], np.unique(np.round(np.sort(forces) / forces.max() * widths[-1], 9)) / widths[-1])
+    assert np.allclose(widths, np.unique(np.round(forces / forces.max() * widths[-1], 9)))
     entries = dict(zip(key_texts(ax), ax.figure.legends[0].get_lines()))
     mean = next(line for text, line in entries.items() if text.startswith("mean"))
     assert mean.get_linewidth() == pytest.approx(widths[-1] * forces.mean() / forces.max(), rel=1e-6)
@@ -246,7 +246,8 @@ def test_arrows_stay_between_the_walls(flat):
     for arrows in (one for one in ax.collections if isinstance(one, Quiver)):
         if len(arrows.U):
             y = arrows.XY[:, 1]
-            assert np.all(np.minimum(y, y + arrows.V) > -1e-9) and np.all(np.maximum(y, y + arrows.V) < flat.height + 1e-9)
+            ends = np.concatenate([y, y + arrows.V])
+            assert ends.min() > -1e-9 and ends.max() < flat.height + 1e-9
 
 
 # ---- heat maps ------------------------------------------------------------------------------------------------------
@@ -266,13 +267,14 @@ def test_ridges_follow_a_branch_and_do_not_jump():
 
 
 def test_a_map_of_waves_has_a_ridge_and_a_colour_bar_with_a_unit():
-    table = sonopack.Table.from_columns(branch_table(), {"k": "1/d", "omega": "sqrt(E* / rho)/d", "S": "d/sqrt(E* / rho)"})
+    table = sonopack.Table.from_columns(branch_table(), {"k": "1/d", "omega": "sqrt(E* / rho)/d",
+                                                         "S": "d/sqrt(E* / rho)"})
     ax = plot.dispersion(table)
     line = next(one for one in ax.lines if one.get_label() == "ridge")
     assert np.allclose(line.get_ydata(), 0.4 * np.sin(0.5 * line.get_xdata()), atol=0.006)
     bar = next(one for one in ax.figure.axes if one is not ax)
     assert bar.get_ylabel() == r"$S(k, \omega)$  [$d\,(\rho/E^*)^{1/2}$]" and bar.get_yscale() == "log"
-    lightness = matplotlib.colormaps[ax.collections[0].get_cmap().name](np.linspace(0, 1, 9))[:, :3] @ (0.2126, 0.7152, 0.0722)
+    lightness = ax.collections[0].get_cmap()(np.linspace(0, 1, 9))[:, :3] @ (0.2126, 0.7152, 0.0722)
     assert np.all(np.diff(lightness) > 0)
 
 
@@ -303,12 +305,14 @@ def folder(tmp_path_factory, flat):
     for name, columns in {"far.tsv": {"grain": [n], "factor": [2.0]}, "one.tsv": {"grain": [0], "factor": [1.0]},
                           "low.tsv": {"grain": [0], "factor": [-1.0]}, "x.tsv": {"grain": [0], "size": [1.0]},
                           "nan.tsv": {"contact": [0], "by_kn": [np.nan]}, "zero.tsv": {"contact": [0], "by_kn": [0.0]},
-                          "k.tsv": {"contact": [10**6], "by_kn": [1.0]}, "short.tsv": {"t": [0.0, 1.0], "F": [0.0, 1.0]},
+                          "k.tsv": {"contact": [10**6], "by_kn": [1.0]},
+                          "short.tsv": {"t": [0.0, 1.0], "F": [0.0, 1.0]},
                           "gap.tsv": {"t": [*range(99), 200.0], "F": np.arange(100.0)},
                           "still.tsv": {"t": np.arange(100.0), "F": np.ones(100)},
                           "dull.tsv": {"angle": [0.0, 0.0], "all": [1.0, 1.0]},
                           "minus.tsv": {"angle": [0.0, 90.0], "all": [1.0, -1.0]},
-                          "skw.tsv": {"polarization": ["longitudinal"], "k": [1.0], "omega": [1.0], "S": [1.0]}}.items():
+                          "skw.tsv": {"polarization": ["longitudinal"], "k": [1.0], "omega": [1.0],
+                                      "S": [1.0]}}.items():
         sonopack.Table.from_columns(columns).save(tmp_path / name)
     other = made(seed=9)
     from sonopack.plot._inputs import Input
@@ -319,17 +323,22 @@ def folder(tmp_path_factory, flat):
 
 
 @pytest.mark.parametrize("arguments, status, reason", [
-    ("grains p.h5 -o a.svg", 2, "needs a packing and a table"), ("grains p.h5 far.tsv -o a.svg", 1, "of another packing"),
+    ("grains p.h5 -o a.svg", 2, "needs a packing and a table"),
+    ("grains p.h5 far.tsv -o a.svg", 1, "of another packing"),
     ("grains p.h5 one.tsv -o a.svg", 1, "all grains are alike"), ("grains p.h5 low.tsv -o a.svg", 1, "must be above 0"),
     ("grains p.h5 x.tsv -o a.svg", 1, "no column factor"), ("sensitivity p.h5 x.tsv -o a.svg", 1, "by_kn"),
     ("sensitivity p.h5 nan.tsv -o a.svg", 1, "row 1: must have finite numbers"),
-    ("sensitivity p.h5 zero.tsv -o a.svg", 1, "nothing to draw"), ("sensitivity p.h5 k.tsv -o a.svg", 1, "contact 1e+06"),
-    ("mode p.h5 --mode 99999 -o a.svg", 2, "--mode 99999: must be in"), ("mode p.h5 other.tsv -o a.svg", 1, "another packing"),
-    ("mode p.h5 mode.tsv --mode 99 -o a.svg", 2, "--mode 99"), ("mode p.h5 short.tsv -o a.svg", 1, "table of displacements"),
+    ("sensitivity p.h5 zero.tsv -o a.svg", 1, "nothing to draw"),
+    ("sensitivity p.h5 k.tsv -o a.svg", 1, "contact 1e+06"),
+    ("mode p.h5 --mode 99999 -o a.svg", 2, "--mode 99999: must be in"),
+    ("mode p.h5 other.tsv -o a.svg", 1, "another packing"),
+    ("mode p.h5 mode.tsv --mode 99 -o a.svg", 2, "--mode 99"),
+    ("mode p.h5 short.tsv -o a.svg", 1, "table of displacements"),
     ("snapshot p.h5 mode.tsv -o a.svg", 1, "must be snapshot"), ("snapshot q.h5 -o a.svg", 1, "no walls"),
     ("snapshot p.h5 m.h5 -o a.svg", 1, "must be a table"), ("mode q.h5 m.h5 -o a.svg", 1, "m.h5"),
     ("angles dull.tsv -o a.svg", 1, "must be finite and rise"), ("angles minus.tsv -o a.svg", 1, "all = -1"),
-    ("angles x.tsv -o a.svg", 1, "a table of directions has"), ("forces x.tsv -o a.svg", 1, "a table of contact values has"),
+    ("angles x.tsv -o a.svg", 1, "a table of directions has"),
+    ("forces x.tsv -o a.svg", 1, "a table of contact values has"),
     ("forces p.h5 far.tsv -o a.svg", 1, "far.tsv"),
     ("snapshot p.h5 --frames 3 --from 9 --to 2 -o a.svg", 2, "--from 9"), ("network none.h5 -o a.svg", 1, "none.h5"),
     ("spectrogram short.tsv -o a.svg", 1, "64 or more"), ("spectrogram gap.tsv -o a.svg", 1, "equally spaced"),
@@ -354,7 +363,7 @@ def test_tables_of_displacements_are_read_back(draw, folder):
     for kind, given in (("mode", "m.h5"), ("mode", "mode.tsv")):
         draw(kind, "p.h5", given, "-o", f"{given}.svg")
     draw("mode", "p.h5", "-o", "own.svg", "--table", "u.tsv")
-    assert (folder / "m.h5.svg").read_bytes() == (folder / "mode.tsv.svg").read_bytes() == (folder / "own.svg").read_bytes()
+    assert len({(folder / name).read_bytes() for name in ("m.h5.svg", "mode.tsv.svg", "own.svg")}) == 1
     assert (folder / "u.tsv").read_text() == (folder / "mode.tsv").read_text()
     draw("snapshot", "p.h5", "-o", "s.png", "--table", "s.tsv", "--time", "20")
     draw("snapshot", "p.h5", "s.tsv", "-o", "t.png")
