@@ -355,9 +355,9 @@ def add_bar(found: Sequence[View], scale: ScalarMappable, text: str) -> Colorbar
     return made
 
 
-def grow(fig: Figure, height: float) -> None:
-    """Makes room below a picture [in]."""
+def grow(fig: Figure, below: float, above: float = 0.0) -> None:
+    """Makes room around a picture [in]."""
     width, tall = fig.get_size_inches()
-    taken = fig.get_layout_engine().get()["rect"][1] * tall + height
-    fig.set_size_inches(width, tall + height)
-    fig.set_layout_engine("constrained", rect=(0, taken / (tall + height), 1, 1 - taken / (tall + height)))
+    taken, height = fig.get_layout_engine().get()["rect"][1] * tall + below, tall + below + above
+    fig.set_size_inches(width, height)
+    fig.set_layout_engine("constrained", rect=(0, taken / height, 1, 1 - taken / height))
