@@ -279,7 +279,10 @@ class Look:
 
     def apply(self, fig: Figure) -> None:
         if self.title:
-            fig.suptitle("\n".join(textwrap.wrap(plain(self.title), int(13 * fig.get_figwidth()))))
+            title = fig.suptitle("\n".join(textwrap.wrap(plain(self.title), int(13 * fig.get_figwidth()))))
+            if fig.get_label() == "picture":  # whose views have a scale
+                from ._view import grow
+                grow(fig, 0.0, title.get_window_extent().height / fig.dpi + 0.06)
         for k, ax in enumerate(one for one in fig.axes if one.get_label() == "panel"):
             self._axis(ax, "x", self.x)
             if k == 0:

@@ -1,5 +1,5 @@
-"""Surfaces y(particle, t) of the tapped column side by side, as in Fig. 2 of Blackmore et al. 2011. The colour shows what
-the height alone does not: the displacement from the first row, or the density."""
+"""Surfaces y(particle, t) of the tapped column side by side, as in Fig. 2 of Blackmore et al. 2011. The colour shows
+what the height alone does not: the displacement from the first row, or the density."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -90,11 +90,13 @@ def _draw(ax: Any, s: Tapped, face: tuple[Floats, Floats, Floats, Floats], scale
     for k in reversed(range(len(particles))):
         order = 2 * (len(particles) - k)
         if k > 0:
-            ax.plot_surface(t[:, None], particles[None, k - 1:k + 1], y[:, k - 1:k + 1], facecolors=colours[:, k - 1:k + 1],
+            ax.plot_surface(t[:, None], particles[None, k - 1:k + 1], y[:, k - 1:k + 1],
+                            facecolors=colours[:, k - 1:k + 1],
                             rstride=1, cstride=1, shade=False, linewidth=0, antialiased=False, rasterized=True,
                             zorder=order)
         if k % every == 0 or k + 1 == len(particles):
-            ax.plot(t, np.full(len(t), particles[k]), y[:, k], color="black", lw=MESH, zorder=order + 1, rasterized=True)
+            ax.plot(t, np.full(len(t), particles[k]), y[:, k], color="black", lw=MESH, zorder=order + 1,
+                    rasterized=True)
     if "y0" in s:
         ax.plot(t, np.zeros(len(t)), np.interp(t, s.time(), s["y0"]), color="black", lw=0.9, zorder=order + 2)
 
@@ -107,8 +109,8 @@ def _light(t: Floats, y: Floats) -> Floats:
 
 
 def _same_limits(axes: Sequence[Any], faces: Sequence[Any], tables: Sequence[Tapped]) -> None:
-    """The same axes for all panels. Those of particles and of heights begin below their first ticks, so that the labels of
-    two axes do not meet in a corner."""
+    """The same axes for all panels. Those of particles and of heights begin below their first ticks, so that the labels
+    of two axes do not meet in a corner."""
     times, heights = [face[0] for face in faces], np.concatenate([face[2].ravel() for face in faces])
     most, low, high = max(one.particles for one in tables), min(0.0, np.nanmin(heights)), np.nanmax(heights)
     for ax, s in zip(axes, tables):

@@ -1,4 +1,5 @@
-"""Heat maps: waves over wave number and frequency, signals over time and frequency; with the ridges of their branches."""
+"""Heat maps: waves over wave number and frequency, signals over time and frequency; with the ridges of their
+branches."""
 from __future__ import annotations
 
 from typing import Any
@@ -17,16 +18,16 @@ from ._units import FREQUENCY, TIME, label, refuse, same_unit, unit_text
 from .signals import Trace, traces_of
 
 DECADES = 3.0  # of a map, below its largest value
-STEEP = 0.01  # price of a step by one row of a ridge, in logarithms of what lies on it
+STEEP = 8.0  # price of a ridge for climbing from the lowest row to the highest, in logarithms of what lies on it
 
 
 def ridge(values: Floats, steep: float = STEEP) -> Integers:
-    """Rows [columns] of the continuous line through a map [rows][columns] with the most on it: the sum of the logarithms
-    minus `steep` for each row that it climbs or falls is the largest. The largest value of each column alone would jump
-    between branches."""
+    """Rows [columns] of the continuous line through a map [rows][columns] with the most on it: the sum of the
+    logarithms minus `steep` for the part of all rows that it climbs and falls is the largest. The largest value of each
+    column alone would jump between branches."""
     rows, columns = values.shape
     height = np.log(np.maximum(values, np.max(values) * 1e-12))
-    price = steep * np.abs(np.arange(rows)[:, None] - np.arange(rows)[None, :])
+    price = steep / rows * np.abs(np.arange(rows)[:, None] - np.arange(rows)[None, :])
     best, came = height[:, 0], np.empty((columns, rows), int)
     for k in range(1, columns):
         reached = best[None, :] - price
@@ -61,7 +62,7 @@ def _map(ax: Axes, x: Floats, y: Floats, values: Floats, most: float) -> Any:
 
 def _bar(axes: npt.NDArray[Any], cells: Any, text: str) -> None:
     bar = axes.flat[0].figure.colorbar(cells, ax=list(axes.flat), extend="min", aspect=30, pad=0.02)
-    bar.set_label(text)
+    bar.set_label(text, fontsize=7)
 
 
 # ---- waves ----------------------------------------------------------------------------------------------------------
@@ -72,7 +73,8 @@ _BRANCHES = ("longitudinal", "transverse", "rotational")
 def dispersion_map(one: Input, ax: Any = None) -> Any:
     """S(k, omega) of a table of `sonopack spectrum dispersion --profile', one panel for each polarization."""
     words = one.table["polarization"] if "polarization" in one.table else np.array([])
-    k, omega, s = (one.column(name, "a map needs k, omega and S, as `sonopack spectrum dispersion --profile' prints them")
+    k, omega, s = (one.column(name,
+                              "a map needs k, omega and S, as `sonopack spectrum dispersion --profile' prints them")
                    for name in ("k", "omega", "S"))
     found = [word for word in _BRANCHES if word in words]
     if not found or not np.any(s > 0):
@@ -111,20 +113,19 @@ PANELS_MOST = 6
 
 @styled
 def spectrogram(*data: Any, material: Material | None = None, ax: Any = None, scene: Scene | None = None) -> Any:
-    """The spectral density of a signal over time and frequency, with the ridge of the largest density. data: a signal, a
-    table of signals, or a packing, whose signal is computed with the keys of `scene`. Windows of Hann, an eighth of the
-    signal long; several detectors have a panel each."""
+    """The spectral density of a signal over time and frequency, with the ridge of the largest density. data: a signal,
+    a table of signals, or a packing, whose signal is computed with the keys of `scene`. Windows of Hann, an eighth of
+    the signal long; several detectors have a panel each."""
     one = inputs(data, None, material)[0]
     traces = traces_of(one, scene)
     if len(traces) > PANELS_MOST:
         raise refuse(one.name, f"{len(traces)} signals: a figure shows 1 to {PANELS_MOST}")
     found = [_spectrum(one, trace) for trace in traces]
-    axes = panels(len(traces), 1, ax=ax, aspect=0.75 if len(traces) == 1 else 0.55)[:, 0]
+    axes = panels(len(traces), 1, ax=ax, aspect=0.85 if len(traces) == 1 else 0.55)[:, 0]
     most = max(float(power.max()) for _, _, power in found)
+    top = max(int(1.1 * np.flatnonzero(power.max(axis=1) > most * 10**-DECADES)[-1]) + 3 for _, _, power in found)
     for panel, trace, (omega, t, power) in zip(axes, traces, found):
-        cells = _map(panel, t, omega, power, most)
-        top = np.flatnonzero(power.max(axis=1) > most * 10**-DECADES)[-1]
-        panel.set_ylim(0, omega[min(len(omega) - 1, int(1.1 * top) + 2)])
+        cells = _map(panel, t, omega[:top], power[:top], most)
         panel.set_ylabel(label(r"$\omega$", _frequency_unit(trace)))
         if trace.place and len(traces) > 1:
             panel.set_title(trace.place, fontsize=7)
