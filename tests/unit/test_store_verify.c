@@ -155,11 +155,11 @@ static void stopping_and_lack_of_memory(void **state) {
 }
 
 int main(void) {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
     const struct CMUnitTest tests[] = {
-        TEST(verdicts),
-        TEST(records_and_retries),
-        TEST(stopping_and_lack_of_memory),
+        BETWEEN(verdicts),
+        BETWEEN(records_and_retries),
+        BETWEEN(stopping_and_lack_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,7 +1,4 @@
-"""The examples, the notebook and the page docs/python.md do as they say, in a plain interpreter; types are right.
-
-usage: test_examples.py COMMAND SOURCE_DIR
-"""
+"""The examples, the notebook and the page docs/python.md do as they say, in a plain interpreter; types are right."""
 import ast
 import contextlib
 import importlib.util
@@ -16,7 +13,7 @@ import sys
 import types
 
 import numpy as np
-from common import COMMAND, SOURCE, check, run, scratch
+from common import COMMAND, SOURCE
 
 EXAMPLES = SOURCE / "python/examples"
 
@@ -44,35 +41,35 @@ def can_draw():
 
 def script(name, *arguments):
     result = subprocess.run([sys.executable, "-B", EXAMPLES / name, *arguments], text=True, capture_output=True)
-    check(result.returncode == 0, name, result.stdout, result.stderr)
+    assert result.returncode == 0, (name, result.stdout, result.stderr)
     return result.stdout
 
 
 def number(pattern, text):
     found = re.search(pattern.replace("#", r"([-+]?[0-9.]+(?:e[-+]?\d+)?)"), text)
-    check(found, pattern, text)
+    assert found, (pattern, text)
     return float(found.group(1))
 
 
 def test_speed_of_sound():
     text = script("speed_of_sound.py")
     # Somfai et al. 2005: 0.26 for the front and 0.19 for long waves; one packing scatters by a tenth
-    check(0.2 < number("the front: #", text) < 0.32 and 0.15 < number("long waves: #", text) < 0.22, text)
+    assert 0.2 < number("the front: #", text) < 0.32 and 0.15 < number("long waves: #", text) < 0.22, text
     if DRAWS:
         script("speed_of_sound.py", "figure.png")
-        check(pathlib.Path("figure.png").read_bytes()[1:4] == b"PNG", "no figure")
+        assert pathlib.Path("figure.png").read_bytes()[1:4] == b"PNG", "no figure"
 
 
 def test_own_data():
     text = script("own_data.py")
-    check("720 contacts" in text and number("balance by #", text) < 1e-9, text)
-    check(68 < number("t10 = #", text) < 71, text)
+    assert "720 contacts" in text and number("balance by #", text) < 1e-9, text
+    assert 68 < number("t10 = #", text) < 71, text
 
 
 def test_modes_and_scipy():
     text = script("modes_and_scipy.py")
     pairs = re.findall(r"^  ([\d.]+)  ([\d.]+)  [\d.e-]+$", text, re.M)
-    check(len(pairs) == 8 and all(abs(float(a) - float(b)) < 1e-7 for a, b in pairs), text)
+    assert len(pairs) == 8 and all(abs(float(a) - float(b)) < 1e-7 for a, b in pairs), text
 
 
 def outputs_of(cell):
@@ -106,8 +103,8 @@ def test_notebook():
         expected = outputs_of(cell).strip()
         seen += expected != ""
         if "Figure" not in expected and "plt" not in source:
-            check(printed.getvalue().strip() == expected, source, printed.getvalue(), expected)
-    check(seen >= 5, "cells with output", seen)
+            assert printed.getvalue().strip() == expected, (source, printed.getvalue(), expected)
+    assert seen >= 5, ("cells with output", seen)
 
 
 def test_page():
@@ -126,14 +123,14 @@ def test_page():
             blocks += 1
             with contextlib.redirect_stdout(io.StringIO()):
                 exec(compile(block, "docs/python.md", "exec"), space)
-    check(blocks >= 12, blocks)
-    check(len(space["found"].contacts) == len(space["own"].contacts), "overlapping pairs", space["found"])
-    check(abs(space["own"].network().front().t10 / space["front"].t10 - 1) < 0.01, "own arrays")
+    assert blocks >= 12, blocks
+    assert len(space["found"].contacts) == len(space["own"].contacts), ("overlapping pairs", space["found"])
+    assert abs(space["own"].network().front().t10 / space["front"].t10 - 1) < 0.01, "own arrays"
     layer, beads = space["layer"], space["beads"]
-    check(abs(layer.network().front().t10 / beads.network().front().t10 - 1) < 1e-9, "arrays in SI", layer)
-    check(abs(layer.pressure / beads.pressure - 1) < 1e-12 and layer.material == beads.material, "pressure in SI")
+    assert abs(layer.network().front().t10 / beads.network().front().t10 - 1) < 1e-9, ("arrays in SI", layer)
+    assert abs(layer.pressure / beads.pressure - 1) < 1e-12 and layer.material == beads.material, "pressure in SI"
     if DRAWS:
-        check(all(pathlib.Path(name).stat().st_size > 1000 for name in ("front.png", "mode.png")), "figures")
+        assert all(pathlib.Path(name).stat().st_size > 1000 for name in ("front.png", "mode.png")), "figures"
     check_recipes(space["read"])
 
 
@@ -142,20 +139,20 @@ def check_recipes(read):
     import sonopack
     for name in ("signal", "modes"):
         table, array = sonopack.Table.read(f"{name}.tsv"), read(f"{name}.tsv")
-        check(list(array.dtype.names) == table.names, array.dtype)
-        check(all(np.array_equal(array[column], table[column], equal_nan=True) for column in table), name)
+        assert list(array.dtype.names) == table.names, array.dtype
+        assert all(np.array_equal(array[column], table[column], equal_nan=True) for column in table), name
     try:
         names = np.genfromtxt("signal.tsv", names=True).dtype.names
-        check(names != ("t", "F"), "genfromtxt reads tables as they are: the page says it does not")
+        assert names != ("t", "F"), "genfromtxt reads tables as they are: the page says it does not"
     except ValueError:
         pass
     plain = np.genfromtxt("signal.csv", names=True, delimiter=",")
-    check(np.array_equal(plain["F"], sonopack.Table.read("signal.tsv")["F"]), "csv")
-    check("file_" in read("statics.tsv").dtype.names, "the column file")
+    assert np.array_equal(plain["F"], sonopack.Table.read("signal.tsv")["F"]), "csv"
+    assert "file_" in read("statics.tsv").dtype.names, "the column file"
     if importlib.util.find_spec("pandas"):
         import pandas
         frame = pandas.read_csv("signal.tsv", sep="\t", comment="#", float_precision="round_trip")
-        check(np.array_equal(frame.F, plain["F"]) and list(frame.columns) == ["t", "F"], "pandas")
+        assert np.array_equal(frame.F, plain["F"]) and list(frame.columns) == ["t", "F"], "pandas"
 
 
 def test_types():
@@ -166,18 +163,12 @@ def test_types():
     result = subprocess.run([mypy, "--strict", "--ignore-missing-imports", "--cache-dir", "cache",
                              *sorted(map(str, EXAMPLES.glob("*.py"))), str(folder)], text=True, capture_output=True,
                             env=dict(os.environ, MYPYPATH=str(folder.parent)))
-    check(result.returncode == 0, result.stdout, result.stderr)
+    assert result.returncode == 0, (result.stdout, result.stderr)
     # the hints say something: a wrong use is found
     pathlib.Path("wrong.py").write_text("import sonopack\nsonopack.Scene().samples.real.nothing\nx: str = sonopack.Packing.read('p').height\n")
     result = subprocess.run([mypy, "--strict", "--cache-dir", "cache", "wrong.py"], text=True, capture_output=True,
                             env=dict(os.environ, MYPYPATH=str(folder.parent)))
-    check(result.returncode == 1 and "wrong.py:2" in result.stdout and "wrong.py:3" in result.stdout, result.stdout)
+    assert result.returncode == 1 and "wrong.py:2" in result.stdout and "wrong.py:3" in result.stdout, result.stdout
 
 
 DRAWS = can_draw()
-
-if __name__ == "__main__":
-    with scratch() as folder:
-        os.chdir(folder)
-        run(test_speed_of_sound, test_own_data, test_modes_and_scipy, test_notebook, test_page, test_types)
-        os.chdir("/")

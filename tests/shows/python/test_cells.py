@@ -1,14 +1,11 @@
-"""Packings in periodic cells, tilted ones, and boxes from arrays: the numbers of the files, and every fault has its key.
-
-usage: test_cells.py COMMAND SOURCE_DIR
-"""
+"""Packings in periodic cells, tilted ones, and boxes from arrays: the numbers of the files, and every fault its key."""
 import copy
 import os
 import pickle
 import sys
 
 import numpy as np
-from common import SOURCE, check, command, raised, run, scratch
+from common import SOURCE, command, raised
 
 import sonopack
 
@@ -28,13 +25,13 @@ def test_arrays():
     """Normals, overlaps and forces follow from the positions, through the faces of a tilted cell too."""
     for name, p in CELLS.items():
         packing = made(p)
-        check((packing.cell, packing.tilt) == (p["cell"], tuple(p["tilt"])), name, packing.cell, packing.tilt)
-        check(np.array_equal(packing.contacts["j"], p["pairs"][:, 1]), name, "contacts")
-        check(np.allclose(packing.contacts["n"][:, :p["dim"]], p["normal"], atol=1e-12), name, "normals")
-        check(np.allclose(packing.contacts["overlap"], p["overlap"], atol=1e-12), name, "overlaps")
+        assert (packing.cell, packing.tilt) == (p["cell"], tuple(p["tilt"])), (name, packing.cell, packing.tilt)
+        assert np.array_equal(packing.contacts["j"], p["pairs"][:, 1]), (name, "contacts")
+        assert np.allclose(packing.contacts["n"][:, :p["dim"]], p["normal"], atol=1e-12), (name, "normals")
+        assert np.allclose(packing.contacts["overlap"], p["overlap"], atol=1e-12), (name, "overlaps")
         audit = packing.audit()
-        check(max(audit.force_residual, audit.wall_residual, audit.geometry_residual) < 1e-6, name, audit)
-        check(np.isclose(packing.volume, np.prod(p["box"])), name, "volume")
+        assert max(audit.force_residual, audit.wall_residual, audit.geometry_residual) < 1e-6, (name, audit)
+        assert np.isclose(packing.volume, np.prod(p["box"])), (name, "volume")
 
 
 def test_elasticity():
@@ -48,11 +45,11 @@ def test_elasticity():
         e = network.elasticity()
         for key, value in (("K", e.bulk), ("G_err", e.shear_error), ("anisotropy", e.anisotropy), ("C12", e.c[0, 1]),
                            ("C_err", e.error.max())):
-            check(float(row[key]) == value, name, key, row[key], value)
-        check(network.cell == "periodic" and e.c.shape == (3 * (p["dim"] - 1),) * 2, name, e.c.shape)
+            assert float(row[key]) == value, (name, key, row[key], value)
+        assert network.cell == "periodic" and e.c.shape == (3 * (p["dim"] - 1),) * 2, (name, e.c.shape)
         for along in ({}, {"up": True}, {"along_y": True})[:p["dim"]]:
-            check((network.dispersion(waves=1, **along).wave["rms"] > 0).all(), name, along)
-        check(network.signal(sources=["plane:1"], detectors=["plane:2"], until=5.0, points=5).f.size == 5, name)
+            assert (network.dispersion(waves=1, **along).wave["rms"] > 0).all(), (name, along)
+        assert network.signal(sources=["plane:1"], detectors=["plane:2"], until=5.0, points=5).f.size == 5, name
 
 
 def test_files():
@@ -60,13 +57,13 @@ def test_files():
     for name, p in CELLS.items():
         write_packing("C.h5", {**p, "gravity": 1e-6})
         packing = sonopack.Packing.read("C.h5")
-        check((packing.cell, packing.gravity) == (p["cell"], 1e-6), name, packing.cell, packing.gravity)
+        assert (packing.cell, packing.gravity) == (p["cell"], 1e-6), (name, packing.cell, packing.gravity)
         packing.save("D.h5")
         command("convert", "C.h5", "E.h5", "--force")
-        check(open("D.h5", "rb").read() == open("E.h5", "rb").read(), name, "not the file of the command")
+        assert open("D.h5", "rb").read() == open("E.h5", "rb").read(), (name, "not the file of the command")
         for twin in (pickle.loads(pickle.dumps(packing)), copy.deepcopy(packing)):
             twin.save("F.h5")
-            check(open("D.h5", "rb").read() == open("F.h5", "rb").read(), name, "a copy differs")
+            assert open("D.h5", "rb").read() == open("F.h5", "rb").read(), (name, "a copy differs")
 
 
 def test_faults():
@@ -75,17 +72,11 @@ def test_faults():
     for key, packing, changes in (("cell", p, {"cell": "round"}), ("tilt", p, {"tilt": [1.0]}),
                                   ("contacts", p, {"contacts": walls}),
                                   ("contacts", box, {"contacts": {"i": [0], "j": [sonopack.BACK]}}),
-                                  ("contacts", {**box, "cell": "piston"}, {"contacts": {"i": [0], "j": [sonopack.LEFT]}})):
+                                  ("contacts", {**box, "cell": "piston"},
+                                   {"contacts": {"i": [0], "j": [sonopack.LEFT]}})):
         error = raised(sonopack.InvalidInput, made, packing, **changes)
-        check(error.key == key, key, error)
+        assert error.key == key, (key, error)
     empty = {"i": np.zeros(0, int), "j": np.zeros(0, int)}
     for changes in ({"tilt": (40.0, 0, 0)}, {"tilt": (0.0, 1.0, 0)}, {"cell": "piston"}, {"gravity": float("nan")}):
         error = raised(sonopack.SonopackError, made, p, contacts=empty, **changes)
-        check(error.status == sonopack.Status.EFORMAT, changes, error)
-
-
-if __name__ == "__main__":
-    with scratch() as folder:
-        os.chdir(folder)
-        run(test_arrays, test_elasticity, test_files, test_faults)
-        os.chdir("/")
+        assert error.status == sonopack.Status.EFORMAT, (changes, error)

@@ -1,14 +1,11 @@
-"""What is wrong raises the exception of its kind, with status and key; nothing half made stays behind.
-
-usage: test_errors.py COMMAND SOURCE_DIR
-"""
+"""What is wrong raises the exception of its kind, with status and key; nothing half made stays behind."""
 import dataclasses
 import os
 import pathlib
 import pickle
 
 import numpy as np
-from common import SOURCE, check, raised, run, scratch
+from common import SOURCE, raised
 
 import sonopack
 from sonopack import InvalidInput, Refused, Scene, SonopackError, Status
@@ -18,13 +15,13 @@ TEXT = SOURCE / "packings/reference/packing_N600_p1e-4.txt"
 
 def fails(status, key, function, *arguments, **more):
     fault = raised(SonopackError, function, *arguments, **more)
-    check(fault.status == status and fault.key == key, f"{status!r} {key}", repr(fault), fault.status, fault.key)
+    assert fault.status == status and fault.key == key, (f"{status!r} {key}", repr(fault), fault.status, fault.key)
     return fault
 
 
 def test_scenes():
     fault = fails(Status.EINVAL, "packing.pressure", Scene, packing={"pressure": -1})
-    check(isinstance(fault, InvalidInput) and isinstance(fault, ValueError), type(fault).__mro__)
+    assert isinstance(fault, InvalidInput) and isinstance(fault, ValueError), type(fault).__mro__
     fails(Status.EINVAL, "packing.presure", Scene, packing={"presure": 1e-4})
     fails(Status.EINVAL, "packing.grains", Scene, packing={"grains": "many"})
     fails(Status.EINVAL, "packing.kind", Scene.read, None, {"packing.kind": "heap"})
@@ -38,11 +35,11 @@ def test_scenes():
 def test_scene_values():
     scene = Scene(packing={"grains": np.int64(77), "pressure": np.float32(0.5) * 1e-3, "friction": 0, "seed": 2**40},
                   study={"samples": 2, "sweep": [{"key": "packing.poisson", "values": [0.1, 0.2, 0.3]}]})
-    check(scene["packing.grains"] == 77 and scene["packing.pressure"] == 5e-4 and scene["packing.friction"] == 0, scene)
-    check(scene.samples == 6 and Scene(packing={"pressure": [1e-5, 1e-4]}).samples == 2, scene.samples)
-    check(f"{2**40}" in scene.text and Scene.parse(scene.text).text == scene.text, scene.text)
-    check(scene.replace({"packing.grains": 78})["packing.grains"] == 78 and scene["packing.grains"] == 77, "replace")
-    check(pickle.loads(pickle.dumps(scene)).text == scene.text, "pickle")
+    assert scene["packing.grains"] == 77 and scene["packing.pressure"] == 5e-4 and scene["packing.friction"] == 0, scene
+    assert scene.samples == 6 and Scene(packing={"pressure": [1e-5, 1e-4]}).samples == 2, scene.samples
+    assert f"{2**40}" in scene.text and Scene.parse(scene.text).text == scene.text, scene.text
+    assert scene.replace({"packing.grains": 78})["packing.grains"] == 78 and scene["packing.grains"] == 77, "replace"
+    assert pickle.loads(pickle.dumps(scene)).text == scene.text, "pickle"
     name = 'with "quotes" and \\'
     fails(Status.EIO, "", sonopack.Packing.make, Scene(packing={"kind": "file", "file": name}))
 
@@ -65,21 +62,21 @@ def test_shapes():
     again = {"pressure": 2e-4, "tolerance": 1e-8}
     one = sonopack.Packing.make(Scene(packing=dict(again, kind="file", file="start.h5")))
     two = sonopack.Packing.make(Scene(packing=dict(again, grains=60, width=6)), start=packing)
-    check(one.height == two.height and np.array_equal(one.r, packing.r) and np.array_equal(two.r, packing.r), one, two)
+    assert one.height == two.height and np.array_equal(one.r, packing.r) and np.array_equal(two.r, packing.r), (one, two)
 
 
 def test_files():
     fault = fails(Status.EIO, "", sonopack.Packing.read, "no-such.h5")
-    check(isinstance(fault, OSError) and "no-such.h5" in str(fault), fault)
+    assert isinstance(fault, OSError) and "no-such.h5" in str(fault), fault
     pathlib.Path("cut.txt").write_text(TEXT.read_text()[:5000])
-    check("cut.txt" in str(fails(Status.EFORMAT, "", sonopack.Packing.read, "cut.txt")), "the file is named")
+    assert "cut.txt" in str(fails(Status.EFORMAT, "", sonopack.Packing.read, "cut.txt")), "the file is named"
     packing = sonopack.Packing.read(TEXT)
     fails(Status.EINVAL, "", packing.save, "packing.png")
     fails(Status.EIO, "", packing.save, "no/such/folder.h5")
     fails(Status.EIO, "", sonopack.Store, "no-store")
     fails(Status.EINVAL, "", sonopack.Packing.read, "a\0b")
     fails(Status.EFORMAT, "", sonopack.Table.read, sonopack.Packing.__module__ and _binary())
-    check(sorted(os.listdir(".")) == ["binary.tsv", "cut.txt"], os.listdir("."))
+    assert sorted(os.listdir(".")) == ["binary.tsv", "cut.txt"], os.listdir(".")
 
 
 def _binary():
@@ -96,12 +93,12 @@ def test_options():
     fails(Status.EINVAL, "u", network.apply, np.zeros(7))
     fails(Status.EINVAL, "f", sonopack.front, [0, 1, 2], [0, 1])
     fails(Status.EINVAL, "t", sonopack.front, ["a", "b"], [0, 1])
-    check(raised(SonopackError, network.signal, points=1).status == Status.EINVAL, "one point")
-    check(isinstance(fails(Status.EREFUSED, "", sonopack.front, [0, 1, 2], [0, -1, 0]), Refused), "no front")
+    assert raised(SonopackError, network.signal, points=1).status == Status.EINVAL, "one point"
+    assert isinstance(fails(Status.EREFUSED, "", sonopack.front, [0, 1, 2], [0, -1, 0]), Refused), "no front"
     raised(AttributeError, lambda: network.modes(vectors=False, lowest=2).vectors)
-    check(hasattr(network.modes(lowest=2), "a") and not hasattr(network.modes(lowest=2, vectors=False), "a"), "amplitudes")
+    assert hasattr(network.modes(lowest=2), "a") and not hasattr(network.modes(lowest=2, vectors=False), "a"), "amplitudes"
     fault = raised(AttributeError, setattr, network, "n", 3)
-    check("n" in str(fault), fault)
+    assert "n" in str(fault), fault
 
 
 def test_arrays():
@@ -113,7 +110,7 @@ def test_arrays():
     def wrong(key, x=packing.x, r=packing.r, contacts=contacts, status=Status.EINVAL, **more):
         return fails(status, key, make, x, r, contacts, **{**given, **more})
 
-    check(make(packing.x, packing.r, packing.contacts, **given).hash == packing.hash, "the same packing")
+    assert make(packing.x, packing.r, packing.contacts, **given).hash == packing.hash, "the same packing"
     wrong("x", x=packing.x[:-1])
     wrong("contacts", contacts={"i": [0], "k": [1]})
     wrong("contacts", contacts={"i": [0]})
@@ -145,13 +142,12 @@ def test_completed():
     turned["ft"][swap] *= -1
     turned = {name: values[::-1] for name, values in turned.items()}
     made = sonopack.Packing.from_arrays(packing.x, packing.r, turned, **given)
-    check(np.array_equal(made.contacts["i"], c["i"]) and np.array_equal(made.contacts["j"], c["j"]), "order")
-    check(np.array_equal(made.contacts["n"], c["n"]) and np.array_equal(made.contacts["ft"], c["ft"]), "signs")
-    check(np.allclose(made.contacts["overlap"], c["overlap"], 1e-13, 0),
-          "Hertz's law")
+    assert np.array_equal(made.contacts["i"], c["i"]) and np.array_equal(made.contacts["j"], c["j"]), "order"
+    assert np.array_equal(made.contacts["n"], c["n"]) and np.array_equal(made.contacts["ft"], c["ft"]), "signs"
+    assert np.allclose(made.contacts["overlap"], c["overlap"], 1e-13, 0), "Hertz's law"
     bare = sonopack.Packing.from_arrays(packing.x, packing.r, {"i": c["i"], "j": c["j"]}, **given)
-    check(np.allclose(bare.contacts["overlap"], c["overlap"], 1e-11, 0), "overlaps of positions")
-    check(np.allclose(bare.contacts["fn"], c["fn"], 1e-10, 0) and np.allclose(bare.contacts["n"], c["n"], 0, 1e-14), "forces")
+    assert np.allclose(bare.contacts["overlap"], c["overlap"], 1e-11, 0), "overlaps of positions"
+    assert np.allclose(bare.contacts["fn"], c["fn"], 1e-10, 0) and np.allclose(bare.contacts["n"], c["n"], 0, 1e-14), "forces"
 
 
 def test_other_laws():
@@ -162,16 +158,16 @@ def test_other_laws():
     mass, inertia = 2 * packing.network().mass[0, 0] * np.ones(60), 0.1 * np.ones(60)
     given = dict(box=packing.box, pressure=packing.pressure, friction=packing.friction, wall="elastic", material=glass)
     made = sonopack.Packing.from_arrays(packing.x, packing.r, contacts, mass=mass, inertia=inertia, **given)
-    check(np.allclose(made.contacts["overlap"], c["fn"] / 0.1, 1e-14) and np.all(made.contacts["kt"] == 0.1), "springs")
-    check(made.wall == "elastic" and made.material == glass, made.material)
+    assert np.allclose(made.contacts["overlap"], c["fn"] / 0.1, 1e-14) and np.all(made.contacts["kt"] == 0.1), "springs"
+    assert made.wall == "elastic" and made.material == glass, made.material
     made.save_tables("g.tsv", "c.tsv")
     again = sonopack.Packing.read_tables("g.tsv", "c.tsv")
-    check(np.array_equal(again.contacts, made.contacts) and np.array_equal(again.mass, mass), "through tables")
+    assert np.array_equal(again.contacts, made.contacts) and np.array_equal(again.mass, mass), "through tables"
     network = again.network()
-    check(np.all(network.mass[:, 0] == mass[0]) and np.all(network.springs["kn"] == 0.1), "in the network")
+    assert np.all(network.mass[:, 0] == mass[0]) and np.all(network.springs["kn"] == 0.1), "in the network"
     copied = pickle.loads(pickle.dumps(made))
-    check(np.array_equal(copied.inertia, inertia) and copied.material == glass and copied.hash == made.hash, "pickle")
-    check(packing.mass is None and packing.inertia is None and packing.material.young == 0, "spheres")
+    assert np.array_equal(copied.inertia, inertia) and copied.material == glass and copied.hash == made.hash, "pickle"
+    assert packing.mass is None and packing.inertia is None and packing.material.young == 0, "spheres"
     fails(Status.EINVAL, "mass", sonopack.Packing.from_arrays, packing.x, packing.r, contacts, mass=mass[1:],
           inertia=inertia, **given)
     wrong = dataclasses.replace(glass, density=-1.0)
@@ -184,10 +180,10 @@ def test_other_laws():
 def test_pickles():
     for fault in (raised(InvalidInput, Scene, packing={"pressure": -1}), raised(SonopackError, sonopack.Packing.read, "no.h5")):
         again = pickle.loads(pickle.dumps(fault))
-        check((type(again), str(again), again.status, again.key) == (type(fault), str(fault), fault.status, fault.key), again)
+        assert (type(again), str(again), again.status, again.key) == (type(fault), str(fault), fault.status, fault.key), again
     packing = sonopack.Packing.make(Scene(packing={"grains": 60, "width": 8}))
     again = pickle.loads(pickle.dumps(packing))
-    check(again.hash == packing.hash and again.scene == packing.scene and again.steps == packing.steps, again)
+    assert again.hash == packing.hash and again.scene == packing.scene and again.steps == packing.steps, again
 
 
 def test_tables():
@@ -195,9 +191,9 @@ def test_tables():
                                         {"height": 0.1, "note": "plain"})
     table.save("t.tsv")
     again = sonopack.Table.read("t.tsv")
-    check(again.names == ["t", "n", "word"] and again.units["t"] == "s" and again.number("height") == 0.1, again.text())
-    check(list(again["t"]) == [0.1, 2.0] and list(again["n"]) == [1, -2**40] and list(again["word"]) == ["a", "b c"], again)
-    check(again.array()["t"][1] == 2.0 and dict(table)["n"][0] == 1, again.array())
+    assert again.names == ["t", "n", "word"] and again.units["t"] == "s" and again.number("height") == 0.1, again.text()
+    assert list(again["t"]) == [0.1, 2.0] and list(again["n"]) == [1, -2**40] and list(again["word"]) == ["a", "b c"], again
+    assert again.array()["t"][1] == 2.0 and dict(table)["n"][0] == 1, again.array()
     raised(KeyError, again.__getitem__, "u")
     fails(Status.EINVAL, "columns", sonopack.Table.from_columns, {"a": [1], "b": [1, 2]})
     fails(Status.EINVAL, "format", table.text, "xml")
@@ -207,14 +203,6 @@ def test_tables():
 def test_refused_table():
     scene = Scene(packing={"grains": 40, "width": 8, "friction": [0.0, 0.5]}, study={"want": ["moduli"]})
     store = sonopack.study(scene, "store")
-    check(raised(SonopackError, store.table, "moduli").status == Status.EREFUSED, "two frictions in one mean")
+    assert raised(SonopackError, store.table, "moduli").status == Status.EREFUSED, "two frictions in one mean"
     chosen = [sample for sample in store if sample.friction == 0.5]
-    check(store.table("moduli", samples=chosen).rows == 1 and store.table("ensemble").rows == 2, "chosen")
-
-
-if __name__ == "__main__":
-    with scratch() as folder:
-        os.chdir(folder)
-        run(test_scenes, test_scene_values, test_files, test_options, test_arrays, test_completed, test_other_laws, test_pickles, test_tables,
-            test_refused_table)
-        os.chdir("/")
+    assert store.table("moduli", samples=chosen).rows == 1 and store.table("ensemble").rows == 2, "chosen"

@@ -1,11 +1,8 @@
-"""Loud pulses and bursts have the command's numbers bit for bit.
-
-usage: test_amplitude.py COMMAND SOURCE_DIR
-"""
+"""Loud pulses and bursts have the command's numbers bit for bit."""
 import math
 
 import numpy as np
-from common import SOURCE, check, command, run
+from common import SOURCE, command
 
 import sonopack
 
@@ -19,7 +16,7 @@ def table(*words):
 
 def equal(read, name, values):
     column, values = np.asarray(read[name], float), np.asarray(values, float)
-    check(np.array_equal(column, values, equal_nan=True), name, column, values)
+    assert np.array_equal(column, values, equal_nan=True), (name, column, values)
 
 
 def chain():
@@ -55,7 +52,7 @@ def test_bursts():
     read = table("amplitude", "chain.h5", "--amplitudes", "0.01", "--omega", "0.1", "--cycles", "3", "--planes", "10")
     equal(read, "F2", [plane.second.value for plane in planes])
     again, _ = packing.loud_burst(0.01, 0.1, 3, heights=[5, 10, 15])
-    check(len(again) == 3 and abs(again[1].height - 10) < 0.6, again)
+    assert len(again) == 3 and abs(again[1].height - 10) < 0.6, again
 
 
 def test_solitary():
@@ -73,10 +70,6 @@ def test_refusals():
         try:
             call()
         except sonopack.InvalidInput as reason:
-            check(str(reason) and reason.key, "no reason")
+            assert str(reason) and reason.key, "no reason"
         else:
-            check(False, "was taken")
-
-
-if __name__ == "__main__":
-    run(test_fronts, test_planes, test_bursts, test_solitary, test_refusals)
+            assert False, "was taken"

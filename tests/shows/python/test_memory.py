@@ -1,14 +1,11 @@
-"""Arrays outlive the objects that they came from, cannot be written to, are no copies; nothing leaks.
-
-usage: test_memory.py COMMAND SOURCE_DIR
-"""
+"""Arrays outlive the objects that they came from, cannot be written to, are no copies; nothing leaks."""
 import ctypes
 import gc
 import os
 import weakref
 
 import numpy as np
-from common import SOURCE, check, raised, run, scratch
+from common import SOURCE, raised
 
 import sonopack
 from sonopack import Packing, Scene
@@ -48,21 +45,21 @@ def flat(work, times, limit):
     for _ in range(times - times // 4):
         work()
     grown = [now - then for now, then in zip(in_use(), before)]
-    check(max(grown) < limit, f"{work.__name__}: {grown} bytes more after {times} repetitions")
+    assert max(grown) < limit, f"{work.__name__}: {grown} bytes more after {times} repetitions"
 
 
 def test_no_copies():
     packing = Packing.read(TEXT)
-    check(np.shares_memory(packing.x, packing.x), "one place")
-    check(np.shares_memory(packing.contacts["fn"], packing.contacts), "fields of one array")
+    assert np.shares_memory(packing.x, packing.x), "one place"
+    assert np.shares_memory(packing.contacts["fn"], packing.contacts), "fields of one array"
     network = packing.network()
     signal = network.signal(points=50)
-    check(np.shares_memory(signal.F, signal.f), "F of f")
+    assert np.shares_memory(signal.F, signal.f), "F of f"
     table = sonopack.Table.from_columns({"t": [1.0, 2.0], "F": [3.0, 4.0]})
-    check(np.shares_memory(table["t"], table["t"]), "columns")
+    assert np.shares_memory(table["t"], table["t"]), "columns"
     harmonic = network.harmonic([0.1], damping=0.1)
-    check(np.shares_memory(harmonic.F, harmonic.f), "complex numbers of pairs")
-    check(packing.x.nbytes == 600 * 24 and not packing.x.flags.owndata, packing.x.flags)
+    assert np.shares_memory(harmonic.F, harmonic.f), "complex numbers of pairs"
+    assert packing.x.nbytes == 600 * 24 and not packing.x.flags.owndata, packing.x.flags
 
 
 def test_read_only():
@@ -93,7 +90,7 @@ def test_views_outlive():
         packings = [Packing.read(TEXT) for _ in range(5)]
     del churn, packings
     for array, copy in zip(kept, copies):
-        check((array == copy).all(), array)
+        assert (array == copy).all(), array
 
 
 def test_freed():
@@ -102,10 +99,10 @@ def test_freed():
     struct = weakref.ref(packing._c)
     x = packing.x[3:5]
     del packing
-    check(struct() is not None, "the array keeps it")
+    assert struct() is not None, "the array keeps it"
     del x
     gc.collect()
-    check(struct() is None, "nothing keeps it")
+    assert struct() is None, "nothing keeps it"
 
 
 def test_packings_do_not_leak():
@@ -151,12 +148,4 @@ def test_files_are_closed():
         Packing.read("P.h5")
         sonopack.study(Scene(packing={"grains": 40, "width": 8}), "store").samples()
     gc.collect()
-    check(len(os.listdir("/proc/self/fd")) <= before + 1, before, os.listdir("/proc/self/fd"))
-
-
-if __name__ == "__main__":
-    with scratch() as folder:
-        os.chdir(folder)
-        run(test_no_copies, test_read_only, test_views_outlive, test_freed, test_packings_do_not_leak,
-            test_results_do_not_leak, test_errors_do_not_leak, test_files_are_closed)
-        os.chdir("/")
+    assert len(os.listdir("/proc/self/fd")) <= before + 1, (before, os.listdir("/proc/self/fd"))

@@ -1,7 +1,5 @@
 """Progress functions see the work and may stop it; Ctrl-C raises KeyboardInterrupt; afterwards all is as before. Threads
 work side by side, and numpy keeps its own.
-
-usage: test_stopping.py COMMAND SOURCE_DIR
 """
 import os
 import pathlib
@@ -12,7 +10,7 @@ import threading
 import time
 
 import numpy as np
-from common import SOURCE, check, raised, run, scratch
+from common import SOURCE, raised
 
 import sonopack
 from sonopack import Column, Interrupted, Packing, Scene
@@ -30,7 +28,7 @@ def wait_for_work(process, seconds):
         if (int(fields[11]) + int(fields[12])) / clock >= seconds:
             return
         time.sleep(0.01)
-    check(False, "it ended before it could be stopped")
+    assert False, "it ended before it could be stopped"
 
 
 class Stop(Exception):
@@ -48,27 +46,27 @@ def fail(*_):
 def sound():
     """What was interrupted has left nothing behind: the same work gives the same packing."""
     packing = Packing.make(SMALL)
-    check(packing.hash == EXPECTED.hash and packing.audit().missing == 0, packing)
+    assert packing.hash == EXPECTED.hash and packing.audit().missing == 0, packing
 
 
 def test_progress():
     seen = []
     packing = Packing.make(SCENE, progress=seen.append)
-    check({p.phase for p in seen} <= {"flight", "compaction", "equilibration"} and len(seen) > 3, seen)
-    check(all(a.steps < b.steps and a.fraction <= b.fraction + 0.2 for a, b in zip(seen, seen[1:])), seen)
-    check(Packing.make(SCENE).hash == packing.hash, "progress changes nothing")
+    assert {p.phase for p in seen} <= {"flight", "compaction", "equilibration"} and len(seen) > 3, seen
+    assert all(a.steps < b.steps and a.fraction <= b.fraction + 0.2 for a, b in zip(seen, seen[1:])), seen
+    assert Packing.make(SCENE).hash == packing.hash, "progress changes nothing"
     shares = []
     Column(**DIAGRAM).table(progress=shares.append)
-    check(shares == sorted(shares) and all(0 <= share <= 1 for share in shares), shares)
+    assert shares == sorted(shares) and all(0 <= share <= 1 for share in shares), shares
     samples = []
     sonopack.study(Scene(packing={"grains": 40, "width": 8}, study={"samples": 3}), "seen", progress=samples.append)
-    check(samples[-1].done == samples[-1].total == 3 and samples[-1].failed == 0, samples)
+    assert samples[-1].done == samples[-1].total == 3 and samples[-1].failed == 0, samples
 
 
 def test_stopped():
     calls = []
     fault = raised(Interrupted, Packing.make, SCENE, progress=lambda p: calls.append(p) or len(calls) < 3)
-    check(len(calls) == 3 and fault.status == sonopack.Status.EINTERRUPTED, calls, fault)
+    assert len(calls) == 3 and fault.status == sonopack.Status.EINTERRUPTED, (calls, fault)
     sound()
     raised(Interrupted, Column(**DIAGRAM).table, progress=lambda share: False)
     sound()
@@ -94,10 +92,10 @@ def test_study_goes_on():
     seen = []
     raised(Interrupted, sonopack.study, scene, "study", progress=lambda p: seen.append(p) or p.done < 2)
     kept = len(list(pathlib.Path("study").glob("*.h5")))
-    check(2 <= kept == len(sonopack.Store("study").samples(scene)), kept)
+    assert 2 <= kept == len(sonopack.Store("study").samples(scene)), kept
     last = []
     store = sonopack.study(scene, "study", progress=last.append)
-    check(len(store) == 40 and last[-1].computed == 40 - kept, kept, last[-1])
+    assert len(store) == 40 and last[-1].computed == 40 - kept, (kept, last[-1])
 
 
 CHILD = """
@@ -119,11 +117,11 @@ def test_ctrl_c_without_progress():
                  'sonopack.Column(output="bifurcation", from_=0.5, to=1.2, points=10000, taps=1000).table(threads=2)',
                  'sonopack.study(sonopack.Scene(packing={"grains": 20000, "width": 60}), "big")'):
         child = subprocess.Popen([sys.executable, "-B", "-c", CHILD.format(work=work)], stdout=subprocess.PIPE, text=True)
-        check(child.stdout.readline() == "begun\n", work)
+        assert child.stdout.readline() == "begun\n", work
         wait_for_work(child, 0.5)
         child.send_signal(signal.SIGINT)
         words = child.stdout.read().split()
-        check(child.wait() == 3 and words == ["interrupted", str(EXPECTED.hash)], work, child.returncode, words)
+        assert child.wait() == 3 and words == ["interrupted", str(EXPECTED.hash)], (work, child.returncode, words)
 
 
 def test_other_threads_run():
@@ -142,7 +140,7 @@ def test_other_threads_run():
     during = counts[0] - before
     stop.set()
     counter.join()
-    check(during > 1000, during)
+    assert during > 1000, during
 
 
 def test_threads():
@@ -159,10 +157,10 @@ def test_threads():
         thread.start()
     for thread in threads:
         thread.join()
-    check(len(results) == 6, results)
+    assert len(results) == 6, results
     for seed, force, omega, name in results:
-        check(np.array_equal(force, results[0][1]) and np.array_equal(omega, results[0][2]), "results differ", seed)
-        check(name == Packing.make(SMALL, seed=seed).hash, "packings differ", seed)
+        assert np.array_equal(force, results[0][1]) and np.array_equal(omega, results[0][2]), ("results differ", seed)
+        assert name == Packing.make(SMALL, seed=seed).hash, ("packings differ", seed)
 
 
 def test_studies_side_by_side():
@@ -180,9 +178,9 @@ def test_studies_side_by_side():
         thread.start()
     for thread in threads:
         thread.join()
-    check(len(computed) == 2 and sum(computed) == 16, computed)
-    check(len(store) == 16 and read and max(read) <= 16, read)
-    check(store.table("moduli", scene).rows == 1 and not store.bad, store.bad)
+    assert len(computed) == 2 and sum(computed) == 16, computed
+    assert len(store) == 16 and read and max(read) <= 16, read
+    assert store.table("moduli", scene).rows == 1 and not store.bad, store.bad
 
 
 def test_interrupt_in_a_thread():
@@ -199,7 +197,7 @@ def test_interrupt_in_a_thread():
     thread.start()
     packing = Packing.make(SCENE)
     thread.join()
-    check(len(found) == 1 and packing.hash == Packing.make(SCENE).hash, found)
+    assert len(found) == 1 and packing.hash == Packing.make(SCENE).hash, found
 
 
 def test_blas_threads():
@@ -214,17 +212,9 @@ def test_blas_threads():
     for threads in (1, 2, 3):
         blas.openblas_set_num_threads(threads)
         set_now = blas.openblas_get_num_threads()
-        check(np.array_equal(packing.network().modes().omega, expected), threads)
+        assert np.array_equal(packing.network().modes().omega, expected), threads
         raised(Interrupted, Packing.make, SCENE, progress=lambda p: False)
-        check(blas.openblas_get_num_threads() == set_now, threads, blas.openblas_get_num_threads())
+        assert blas.openblas_get_num_threads() == set_now, (threads, blas.openblas_get_num_threads())
 
 
 EXPECTED = Packing.make(SMALL)
-
-if __name__ == "__main__":
-    with scratch() as folder:
-        os.chdir(folder)
-        run(test_progress, test_stopped, test_exceptions, test_ctrl_c, test_study_goes_on, test_ctrl_c_without_progress,
-            test_other_threads_run, test_threads, test_studies_side_by_side,
-            test_interrupt_in_a_thread, test_blas_threads)
-        os.chdir("/")

@@ -1,11 +1,8 @@
-"""Transport of energy: the command's numbers bit for bit, and balances that hold.
-
-usage: test_transport.py COMMAND SOURCE_DIR
-"""
+"""Transport of energy: the command's numbers bit for bit, and balances that hold."""
 import os
 
 import numpy as np
-from common import check, command, raised, run, scratch
+from common import command, raised
 
 import sonopack
 
@@ -22,7 +19,7 @@ def table(*words):
 
 
 def same(read, name, value):
-    check(np.array_equal(np.asarray(read[name], float), [value], equal_nan=True), name, read[name], value)
+    assert np.array_equal(np.asarray(read[name], float), [value], equal_nan=True), (name, read[name], value)
 
 
 def test_command():
@@ -33,7 +30,7 @@ def test_command():
     t, k = table("--at", "0.4", "--quantity", "kubo"), net.kubo(net.modes(solver="dense"), 0.4)
     for name, value in (("D", k.d), ("D_err", k.d_err), ("speed", k.speed), ("speed_err", k.speed_err)):
         same(t, name, value)
-    check(k.d > 0, k)
+    assert k.d > 0, k
     t, p = table("--at", "0.4", "--quantity", "split"), net.split(0.4)
     same(t, "rotation", p.rest.rotation)
     same(t, "pulse_along_err", p.pulse_err.along)
@@ -58,17 +55,7 @@ def test_balance():
         j = net.flux(*net.advance(2.0 * (1 + node), u, v), [middle])[0]
         flow += 2.0 * weight * sum(j[name] for name in j.dtype.names)
     after, still = part(*net.advance(4.0, u, v))
-    check(abs(still / all_of_it - 1) < 1e-12, still)
-    check(abs(before - after - flow) < 1e-9 * all_of_it and flow > 1e-3 * all_of_it, before, after, flow)
+    assert abs(still / all_of_it - 1) < 1e-12, still
+    assert abs(before - after - flow) < 1e-9 * all_of_it and flow > 1e-3 * all_of_it, (before, after, flow)
     raised(ValueError, net.energy, u[:3], v)
     raised(sonopack.InvalidInput, net.spread, -1.0)
-
-
-def main():
-    with scratch() as folder:
-        os.chdir(folder)
-        run(test_command, test_balance)
-        os.chdir("/")
-
-
-main()

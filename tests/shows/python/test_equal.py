@@ -1,14 +1,11 @@
-"""The package gives the command's numbers bit for bit: packings, signals, modes, moduli, spectra, studies, columns.
-
-usage: test_equal.py COMMAND SOURCE_DIR
-"""
+"""The package gives the command's numbers bit for bit: packings, signals, modes, moduli, spectra, studies, columns."""
 import dataclasses
 import filecmp
 import os
 import pathlib
 
 import numpy as np
-from common import SOURCE, check, command, run, scratch
+from common import SOURCE, command
 
 import sonopack
 
@@ -28,9 +25,9 @@ def table(*words):
 def equal(read, name, values, what):
     """Bits, signs of zeros and nan included."""
     column, values = np.asarray(read[name], float), np.atleast_1d(np.asarray(values, float))
-    check(column.shape == values.shape, what, name, column.shape, values.shape)
+    assert column.shape == values.shape, (what, name, column.shape, values.shape)
     same = (column.view(np.int64) == values.view(np.int64)) | (np.isnan(column) & np.isnan(values))
-    check(same.all(), what, name, column[~same], values[~same])
+    assert same.all(), (what, name, column[~same], values[~same])
 
 
 def all_equal(read, result, names, what):
@@ -48,9 +45,9 @@ def packing():
 def test_packing():
     packing()
     sonopack.Packing.make(sonopack.Scene.read(None, KEYS)).save("Q.h5")
-    check(filecmp.cmp("P.h5", "Q.h5", shallow=False), "the files differ")
+    assert filecmp.cmp("P.h5", "Q.h5", shallow=False), "the files differ"
     made = sonopack.Packing.make(sonopack.Scene(packing={"grains": 100, "width": 12}), seed=3)
-    check(made.hash == packing().hash, "with a seed of its own")
+    assert made.hash == packing().hash, "with a seed of its own"
 
 
 def test_another_pressure():
@@ -60,12 +57,12 @@ def test_another_pressure():
             "R.h5", "--quiet")
     scene = sonopack.Scene(packing={"kind": "file", "file": "P.h5", "pressure": 2e-4})
     expected = sonopack.Packing.read("R.h5").hash
-    check(sonopack.Packing.make(scene).hash == expected, "from a file")
-    check(sonopack.Packing.make(scene, start=packing()).hash == expected, "from memory")
+    assert sonopack.Packing.make(scene).hash == expected, "from a file"
+    assert sonopack.Packing.make(scene, start=packing()).hash == expected, "from memory"
 
 
 def test_statics():
-    read, statics = table("statics", "P.h5"), packing().statics()
+    statics, read = packing().statics(), table("statics", "P.h5")
     all_equal(read, statics, ["Phi2=phi2", "Phi3=phi3", "Phi3s=phi3s", "zs", "f0", "N_over_p=n_over_p", "Z2=z2", "F2=f2",
                               "F2S=f2s", "s1_over_s2", "s32_over_s2", "mobilised"], "statics")
 
@@ -79,7 +76,7 @@ def test_signal():
                            (("--damping", "gamma:0.05:0.01"), {"damping": "gamma:0.05:0.01"})):
         read, signal = table("signal", "P.h5", *words), network.signal(**options)
         all_equal(read, signal, ["t", "F"], words)
-        check(read.number("error") == signal.error, words, "error")
+        assert read.number("error") == signal.error, (words, "error")
     read = table("signal", "P.h5", "--detector", "plane:4", "--detector", "grain:40:shear")
     signal = network.signal(detectors=["plane:4", sonopack.Place.grain(40, shear=True)])
     for k in range(2):
@@ -90,7 +87,7 @@ def test_front():
     network = packing().network()
     names = ["t10", "t_peak", "t_zero", "amplitude", "width"]
     all_equal(table("front", "P.h5"), network.front(), names, "of a packing")
-    check(packing().front() == network.front(), "of a packing without a network")
+    assert packing().front() == network.front(), "of a packing without a network"
     network.signal().table().save("ours.tsv")
     all_equal(table("front", "ours.tsv"), network.signal().front(), names, "of a table made here")
     table("signal", "P.h5")
@@ -109,16 +106,16 @@ def test_modes():
         all_equal(table("modes", "P.h5", *words), network.modes(**options), names, words)
     read, modes = table("modes", "P.h5", "--frequencies-only"), network.modes(vectors=False)
     all_equal(read, modes, ["omega", "error"], "frequencies only")
-    check(read.number("zero_modes") == modes.zero.total, "zero modes")
+    assert read.number("zero_modes") == modes.zero.total, "zero modes"
     all_equal(table("modes", "P.h5", "--damping", 0.1), network.damped_modes(0.1),
               ["omega", "decay", "cosine", "sine", "error"], "damped")
     read, modes = table("modes", "P.h5", "--damping", "gamma:0.02"), network.damped_modes("gamma:0.02")
     all_equal(read, modes, ["omega", "decay"], "gamma")
     for name, ours in zip(("Q", "Q_err"), modes.quality()):
-        check(np.array_equal(read[name], ours, equal_nan=True), name, "gamma")
+        assert np.array_equal(read[name], ours, equal_nan=True), (name, "gamma")
     command("modes", "P.h5", "--lowest", 5, "--vectors", "V.h5", "--quiet", "-o", "v.tsv")
     network.modes(lowest=5).save("W.h5")
-    check(filecmp.cmp("V.h5", "W.h5", shallow=False), "the files of vectors differ")
+    assert filecmp.cmp("V.h5", "W.h5", shallow=False), "the files of vectors differ"
 
 
 def test_moduli():
@@ -142,7 +139,7 @@ def test_spectra():
     read, waves = table("spectrum", "dispersion", "P.h5"), network.dispersion()
     for name in ("k", "rms", "spread", "peak", "half_width", "resolution"):
         equal(read, name, waves.wave[name], "dispersion")
-    check([waves.polarization(k) for k in range(waves.n)] == list(read["polarization"]), "polarizations")
+    assert [waves.polarization(k) for k in range(waves.n)] == list(read["polarization"]), "polarizations"
     read = table("spectrum", "harmonic", "P.h5", "--damping", 0.01)
     driven = network.harmonic(read["omega"], damping=0.01)
     equal(read, "re", driven.F.real, "harmonic")
@@ -161,7 +158,7 @@ def test_wave():
     for row, omega in enumerate((0.1, 0.2)):
         wave = section.wave(omega)
         for name in ("k", "alpha"):
-            check(read[name][row] == getattr(wave, name), "wave", name, read[name][row], wave)
+            assert read[name][row] == getattr(wave, name), ("wave", name, read[name][row], wave)
 
 
 def test_study():
@@ -170,27 +167,27 @@ def test_study():
     command("study", "study.cfg", "--store", "C", "-o", "study.tsv", "--force", "--quiet")
     store = sonopack.study(scene, "P", jobs=2)
     names = sorted(path.name for path in pathlib.Path("C").glob("*.h5"))
-    check(len(names) == scene.samples == 12, names)
+    assert len(names) == scene.samples == 12, names
     match, mismatch, errors = filecmp.cmpfiles("C", "P", names, shallow=False)
-    check(len(match) == 12, "files of samples differ", mismatch, errors)
+    assert len(match) == 12, ("files of samples differ", mismatch, errors)
     for name, file in (("ctof", "study.tsv"), ("moduli", "study-moduli.tsv"), ("statics", "study-statics.tsv")):
         read, made = sonopack.Table.read(file), store.table(name, scene)
-        check(read.names == made.names and read.units == made.units, name, read.names, made.names)
+        assert read.names == made.names and read.units == made.units, (name, read.names, made.names)
         for column in read:
             equal(read, column, made[column], name)
     command("table", "ensemble", "study.cfg", "--store", "C", "-o", "ensemble.tsv", "--quiet")
     read, made = sonopack.Table.read("ensemble.tsv"), store.table("ensemble", scene)
     for column in read:
         if made[column].dtype.kind == "U":
-            check(list(read[column]) == list(made[column]), column, read[column], made[column])
+            assert list(read[column]) == list(made[column]), (column, read[column], made[column])
         else:
             equal(read, column, made[column], "ensemble")
     for sample in store:
-        check(not sample.failed and sample.moduli and sample.statics, sample)
+        assert not sample.failed and sample.moduli and sample.statics, sample
         network = sample.packing().network()
-        check(sample.front == dataclasses.replace(network.front(), crossings=0), sample, "front")  # not stored
-        check(np.array_equal(sample.frequencies(), network.modes(vectors=False).omega[-len(sample.frequencies()):]), "spectrum")
-        check(np.array_equal(sample.signal()[1], network.signal().F), "signal")
+        assert sample.front == dataclasses.replace(network.front(), crossings=0), (sample, "front")
+        assert np.array_equal(sample.frequencies(), network.modes(vectors=False).omega[-len(sample.frequencies()):]), "spectrum"
+        assert np.array_equal(sample.signal()[1], network.signal().F), "signal"
 
 
 def test_units():
@@ -202,15 +199,15 @@ def test_units():
     scene = sonopack.Scene(material=keys, packing={"grains": 60, "width": 8, "pressure": "100 kPa"})
     made = sonopack.Packing.make(scene)
     made.save("T.h5")
-    check(filecmp.cmp("S.h5", "T.h5", shallow=False), "the files differ")
-    check(made.material == sonopack.Material(70e9, 0.22, 2500.0, 1e-3), made.material)
-    check(sonopack.quantity("100 kPa", "E*", made.material) == made.pressure, made.pressure)
+    assert filecmp.cmp("S.h5", "T.h5", shallow=False), "the files differ"
+    assert made.material == sonopack.Material(70e9, 0.22, 2500.0, 1e-3), made.material
+    assert sonopack.quantity("100 kPa", "E*", made.material) == made.pressure, made.pressure
     si, own = table("signal", "S.h5", "--units", "si"), table("signal", "S.h5").si(made.material)
-    check(si.units == own.units and si.units["F"] != "E* d^2", si.units, own.units)
+    assert si.units == own.units and si.units["F"] != "E* d^2", (si.units, own.units)
     for name in si:
         equal(si, name, own[name], "SI")
     started = sonopack.Packing.make(sonopack.Scene(packing={"kind": "file", "file": "S.h5", "pressure": 2e-6}))
-    check(started.material == made.material, started.material)
+    assert started.material == made.material, started.material
 
 
 def test_sensitivity():
@@ -219,7 +216,7 @@ def test_sensitivity():
     kn, kt = network.springs["kn"], network.springs["kt"]
     for of in ("t10", "peak", "width", "C22", "cl"):
         read, found = table("sensitivity", "P.h5", "--of", of), network.sensitivity(of)
-        check(read.number("value") == found.value, of)
+        assert read.number("value") == found.value, of
         equal(read, "by_kn", kn * found.kn, of)
         equal(read, "by_kt", kt * found.kt, of)
         equal(read, "by_kn_err", kn * found.errors["kn"], of)
@@ -234,28 +231,20 @@ def test_sensitivity():
     pressure = network.sensitivity("t10", "pressure").pressure
     equal(table("sensitivity", "P.h5", "--by", "pressure"), "by_p", made.pressure * pressure, "pressure")
     at_once, _, error = network.signal_sensitivity([60.0, 20.0], [5, 7])
-    check(network.sensitivity("c_l").value == network.sensitivity("cl").value, "both names of a speed")
+    assert network.sensitivity("c_l").value == network.sensitivity("cl").value, "both names of a speed"
     one = network.sensitivity("F", "kn", t=60)
-    check(np.all(np.abs(at_once[:, 0] - one.kn[[5, 7]]) <= error[:, 0] + one.errors["kn"][[5, 7]]), "all times")
+    assert np.all(np.abs(at_once[:, 0] - one.kn[[5, 7]]) <= error[:, 0] + one.errors["kn"][[5, 7]]), "all times"
 
 
 def test_column():
     for output in ("trajectory", "strobe", "energy"):
         read = table("column", "--set", f"column.output={output}", "--set", "column.taps=3")
         made = sonopack.Column(output=output, taps=3).table()
-        check(read.names == made.names, output)
+        assert read.names == made.names, output
         for name in read:
             equal(read, name, made[name], output)
     read, column = table("column", "--set", "column.step=0.25"), sonopack.Column()
     motion = column.run(read["t"])
     for k in range(column.particles + 1):
         equal(read, f"y{k}", motion.y[:, k], "run")
-    check(len(motion.taps) == column.taps, motion.taps)
-
-
-if __name__ == "__main__":
-    with scratch() as folder:
-        os.chdir(folder)
-        run(test_packing, test_another_pressure, test_statics, test_signal, test_front, test_modes, test_moduli,
-            test_spectra, test_wave, test_study, test_units, test_column, test_sensitivity)
-        os.chdir("/")
+    assert len(motion.taps) == column.taps, motion.taps
