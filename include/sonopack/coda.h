@@ -23,7 +23,8 @@ typedef struct sp_coda_options {
 
 /* Kernels of the grains of a network. */
 typedef struct sp_coda {
-    int32_t n, pairs, times; /* grains of the network; pairs of source and detector, detectors running fastest */
+    int32_t n, pairs, times; /* grains of the network; pairs of source and detector, detectors running fastest; times of
+                                each signal */
     int32_t *grain;          /* [n] index in the packing */
     double *kernel;          /* [pairs][n][times] dF/d(ln k) */
     double *square;          /* [n] sum of squares of a grain's kernel over pairs and times */
@@ -54,6 +55,12 @@ SP_API sp_status sp_coda_locate(const sp_coda *c, const double *change, double n
  * for a change of -1 or below. */
 SP_API sp_status sp_coda_signal(const sp_network *net, const sp_coda_options *opt, int32_t grain, double change,
                                 double *signal, sp_error *err);
+
+/* Adds to the error of a candidate what its kernel, which is of first order, leaves out: how far the change that the
+ * kernel finds in the signal of a packing with this very change is from it. Without noise this is the larger error.
+ * before [pairs][times]: the signal of the network as it is, from sp_coda_signal; opt: that of c. */
+SP_API sp_status sp_coda_first_order(const sp_network *net, const sp_coda_options *opt, const sp_coda *c,
+                                     const double *before, sp_coda_candidate *found, sp_error *err);
 
 /* Relative change of speed that stretches `before` to `before + change` [times], by least squares to first order, and
  * its standard error. NAN where `before` does not change with time. */
