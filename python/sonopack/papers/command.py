@@ -45,7 +45,7 @@ def parser() -> Parser:
     own = Parser("reproduce", description=_ABOUT, epilog=_MORE,
                  usage="sonopack reproduce somfai2005 --store DIR [-o FOLDER]\n       sonopack reproduce blackmore2011 "
                        "[-o FOLDER]")
-    own.add_argument("paper", choices=PAPERS, help="the paper")
+    own.add_argument("paper", nargs="?", choices=PAPERS, help="the paper")
     own.add_argument("--store", metavar="DIR", help="somfai2005: folder of the samples; it is created if necessary")
     own.add_argument("--only", metavar="ITEMS", help="compute only these items, as in fig6,table2 or fig1,chaos (all)")
     own.add_argument("--samples", metavar="N", type=whole(1, 100000),
@@ -75,6 +75,8 @@ def chosen(paper: str, only: str | None) -> set[str]:
 
 def run(arguments: argparse.Namespace) -> int:
     """Does the work of the command."""
+    if arguments.paper is None:
+        raise usage(f"no paper: must be {' or '.join(PAPERS)}")
     if arguments.paper == "somfai2005" and not arguments.store:
         raise usage("no store: must be --store DIR")
     if arguments.set:

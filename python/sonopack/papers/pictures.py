@@ -80,8 +80,8 @@ def _angles(table: Table) -> Any:
         density = np.repeat(np.tile(table[name], 2), 4)
         ax.plot(turned, np.append(density, density[0]), color=ink(colour), ls=dash(dashes), lw=width, label=word)
     ax.set_ylim(0, None)
-    ax.set_rlabel_position(75)
+    ax.set_rgrids((0.5, 1.0), ("0.5", "1"), angle=75, fontsize=6)
     ax.set_thetagrids(range(0, 360, 30))
-    ax.set_title("density (isotropic: 1)", fontsize=7)
+    ax.set_title("density of directions (isotropic: 1, the grey circle)", fontsize=7)
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), ncol=3, columnspacing=1)
     return ax

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from .._core import Floats
 from .._table import Table
-from ..plot._frame import GREY, dash, ink, inset, legend, panels, save, styled, tag
+from ..plot._frame import GREY, dash, hides, ink, inset, legend, panels, save, styled
 
 __all__ = ["Curve", "Panel", "Sheet", "save"]
 
@@ -52,7 +52,8 @@ class Curve:
     open: bool = False
     width: float = 1.0
 
-    def draw(self, ax: Axes) -> None:
+    def draw(self, ax: Axes) -> Any:
+        """Draws it, and returns what the legend shows."""
         colour = GREY if self.ink < 0 else ink(self.ink)
         look: dict[str, Any] = {"color": colour, "lw": self.width, "ls": "none" if self.dash is None else dash(self.dash),
                                 "marker": self.mark or None, "label": formula(self.label) or None}
@@ -61,9 +62,8 @@ class Curve:
         if self.lower is not None and self.upper is not None:
             ax.fill_between(self.x, self.lower, self.upper, color=colour, alpha=0.25, lw=0)
         if self.error is not None and np.isfinite(self.error).any():
-            ax.errorbar(self.x, self.y, np.where(np.isfinite(self.error), self.error, 0), elinewidth=0.7, **look)
-        else:
-            ax.plot(self.x, self.y, **look)
+            return ax.errorbar(self.x, self.y, np.where(np.isfinite(self.error), self.error, 0), elinewidth=0.7, **look)
+        return ax.plot(self.x, self.y, **look)[0]
 
     def points(self) -> list[Floats]:
         """x, y, error, lower and upper of each point."""
@@ -88,13 +88,13 @@ class Panel:
     inset: Panel | None = None
     room: tuple[float, float] = (0.46, 0.46)
 
-    def draw(self, ax: Axes) -> None:
+    def draw(self, ax: Axes) -> list[Any]:
+        """Draws it, and returns the entries of its legend in the order of the curves."""
         if "x" in self.log:
             ax.set_xscale("log")
         if "y" in self.log:
             ax.set_yscale("log", nonpositive="clip")
-        for curve in self.curves:
-            curve.draw(ax)
+        drawn = [curve.draw(ax) for curve in self.curves]
         if self.zero:
             ax.axhline(0, color="black", lw=0.4, zorder=0)
         ax.set_xlabel(formula(self.xlabel))
@@ -103,6 +103,9 @@ class Panel:
         ax.set_ylim(*self.y)
         if self.inset is not None:
             self.inset.draw(inset(ax, *self.room))
+        if self.y[1] is not None:
+            ax._sonopack_limits = (None, self.y)  # the legend leaves limits that are given
+        return [each for each, curve in zip(drawn, self.curves) if curve.label]
 
     def rows(self, name: str) -> tuple[list[tuple[str, int, str]], list[list[Floats]]]:
         """Panel, number and label of each point, and its numbers; those of the inset follow."""
@@ -114,6 +117,19 @@ class Panel:
             more = self.inset.rows(f"{name} inset".strip() if name else " inset")
             words, numbers = words + more[0], numbers + more[1]
         return words, numbers
+
+
+def _tag(ax: Axes, text: str) -> None:
+    """The tag of a panel in a corner where it hides nothing, else in the upper left one."""
+    corners = ((0.02, 0.97, "left"), (0.98, 0.97, "right"), (0.02, 0.03, "left"), (0.98, 0.03, "right"), (0.02, 0.97, "left"))
+    ax.figure.draw_without_rendering()
+    for x, y, side in corners:
+        shown = ax.text(x, y, text, transform=ax.transAxes, va="top" if y > 0.5 else "bottom", ha=side, fontsize=8)
+        extent = shown.get_window_extent()
+        shown.remove()
+        if not hides(ax, extent):
+            break
+    ax.add_artist(shown)
 
 
 @dataclasses.dataclass
@@ -134,10 +150,10 @@ class Sheet:
     def _axes(self) -> Any:
         axes = panels(len(self.panels) // self.columns, self.columns, aspect=self.aspect, width=self.width).ravel()
         for ax, panel in zip(axes, self.panels):
-            panel.draw(ax)
+            entries = panel.draw(ax)
             if panel.tag:
-                tag(ax, formula(panel.tag))
-            legend(ax)
+                _tag(ax, formula(panel.tag))
+            legend(ax, entries)
         return axes
 
     def table(self) -> Table:

@@ -75,7 +75,7 @@ def _five(work: SomfaiWork, item: str) -> None:
     if curves:
         panel = Panel(curves, TIME_AXIS, "mean |F|_{sig} / peak of the lowest box", x=(0, None), zero=True)
         work.draw_sheet(item, "fig5", "Mean signals of boxes 24 wide and L high at p = 1e-4, until shortly after their zero "
-                                      "crossings, over the first peak of the lowest box.", Sheet([panel]))
+                                      "crossings, over the first peak of the lowest box.", Sheet([panel], aspect=0.9))
     if len(found) > 1:
         low, high = found[0], found[-1]
         work.say(item, f"From L = {low.distance:.3g} to {high.distance:.3g} the first peak falls by a factor "
