@@ -49,7 +49,6 @@ RUNS = [
     (0, ["study", "study.cfg", "--store", "store", "--jobs", "2"]),
     (0, ["table", "ensemble", "--store", "store", "--format", "json"]),
     (0, ["table", "spectrum", "study.cfg", "--store", "store", "--bins", "5"]),
-    (0, ["plot", "signal", "chain.tsv", "-o", "signal.svg"]),
     (0, ["help"]),
     (0, ["--version"]),
     (1, ["check", "truncated.h5"]),

@@ -76,23 +76,6 @@ def test_h_is_help():
     assert run("-h").stdout == run("help").stdout
 
 
-def test_suggestions():
-    for words, meant in ((["pak"], "pack"), (["pack", "--seeed", 3], "--seed"), (["signal", "--treshold=1", N200], "--threshold"),
-                         (["modes", "--lowst", 3, N200], "--lowest"), (["spectrum", "dso", N200], "dos"),
-                         (["table", "ctoff", "--store", "x"], "ctof"), (["plot", "netwrk", N200, "-o", "x.svg"], "network"),
-                         (["signal", N200, "--method", "chebishev"], "chebyshev"), (["help", "fricton"], "friction"),
-                         (["help", "packing.presure"], "packing.pressure"),
-                         (["pack", "--set", "packing.presure=1", "-o", "x.h5"], "packing.pressure"),
-                         (["completion", "bsh"], "bash"), (["reproduce", "somfai2006", "--store", "x"], "somfai2005")):
-        done = run(*words, status=2)
-        assert names_all(done.stderr.split("\n")[0], meant) and not done.stdout, (words, done.stderr)
-    for words in (["pack", "--frobnicate"], ["help", "zzzzzzzz"]):
-        assert "did you mean" not in run(*words, status=2).stderr
-    # what follows an option is its argument, whatever it looks like; beginnings of options are options
-    assert names_all(run("pack", "--set", "--foo", "-o", "x.h5", status=2).stderr, "--foo")
-    run("moduli", "--thresh", "1e-4", N200)
-
-
 def offered(*words):
     """What `completion --words' offers, without the explanations."""
     return {line.split("\t")[0] for line in run("completion", "--words", *words).stdout.splitlines()}
@@ -210,7 +193,7 @@ def main():
     with tempfile.TemporaryDirectory(prefix="sonopack-terminal-") as name:
         folder = pathlib.Path(name)
         os.chdir(folder)
-        for test in (test_help_of_keys, test_examples_of_keys, test_h_is_help, test_suggestions,
+        for test in (test_help_of_keys, test_examples_of_keys, test_h_is_help,
                      test_completions_know_everything, test_low_boxes, test_refused_frequencies, test_errors_of_signals,
                      test_progress_in_a_file):
             test()

@@ -5,7 +5,6 @@
 
 #include <dirent.h>
 #include <malloc.h>
-#include <sonopack/figure/plot.h>
 #include <sonopack/sonopack.h>
 #include <sonopack/study/import.h>
 #include <sonopack/study/store.h>
@@ -18,7 +17,7 @@
 /* Bytes: the lists of other libraries may grow now and then, but what is lost in every round has 32 at the least. */
 enum { WARM = 20, SLACK = 60000 + 8 * ROUNDS };
 
-static char folder[] = "/tmp/sonopack-calls-XXXXXX", packing_h5[64], packing_txt[64], figure[64], table[64], broken[64],
+static char folder[] = "/tmp/sonopack-calls-XXXXXX", packing_h5[64], packing_txt[64], table[64], broken[64],
             store_path[64];
 
 static int setup(void **state) {
@@ -27,7 +26,6 @@ static int setup(void **state) {
         return 1;
     snprintf(packing_h5, sizeof packing_h5, "%s/p.h5", folder);
     snprintf(packing_txt, sizeof packing_txt, "%s/p.txt", folder);
-    snprintf(figure, sizeof figure, "%s/p.svg", folder);
     snprintf(table, sizeof table, "%s/t.tsv", folder);
     snprintf(broken, sizeof broken, "%s/broken.h5", folder);
     snprintf(store_path, sizeof store_path, "%s/store", folder);
@@ -39,7 +37,7 @@ static int teardown(void **state) {
     (void)state;
     char manifest[80];
     snprintf(manifest, sizeof manifest, "%s/manifest.tsv", store_path);
-    const char *const all[] = {packing_h5, packing_txt, figure, table, broken, manifest, store_path, folder};
+    const char *const all[] = {packing_h5, packing_txt, table, broken, manifest, store_path, folder};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         remove(all[k]);
     return 0;
@@ -76,7 +74,6 @@ static void files(const sp_packing *p) {
     assert_int_not_equal(sp_packing_read("/nowhere/p.h5", &read, &reason), SP_OK);
     assert_int_not_equal(sp_packing_save(p, "/nowhere/p.h5", &reason), SP_OK);
     assert_int_not_equal(sp_import(broken, &o, &read, NULL, &reason), SP_OK);
-    assert_ok(sp_plot_network(p, SP_PLOT_FORCES, 0, figure, &err));
     assert_ok(sp_store_open(store_path, true, &store, &err));
     sp_store_close(store);
 }
@@ -162,10 +159,9 @@ static int open_files(void) {
     return count;
 }
 
-static void rounds_leave_nothing(void **state) {
+TEST(rounds_leave_nothing) {
     size_t bytes = 0;
     int files_open = 0;
-    (void)state;
     for (int k = 0; k < WARM + ROUNDS; k++) {
         if (k == WARM) {
             bytes = bytes_in_use();
@@ -180,7 +176,7 @@ static void rounds_leave_nothing(void **state) {
 }
 
 /* All modes of 6000 balls need 0.9 GB, which are asked for before anything is taken. */
-static void modes_ask_for_memory(void **state) {
+TEST(modes_ask_for_memory) {
     const struct rlimit little = {(rlim_t)600 << 20, RLIM_INFINITY};
     struct rlimit before;
     sp_pack_spec spec = sp_pack_spec_default();
@@ -190,7 +186,6 @@ static void modes_ask_for_memory(void **state) {
     sp_modes_options how = sp_modes_options_default();
     sp_modes m = sp_modes_none();
     sp_error reason = {0};
-    (void)state;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     skip(); /* they map terabytes */
 #endif
@@ -209,7 +204,4 @@ static void modes_ask_for_memory(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(rounds_leave_nothing), cmocka_unit_test(modes_ask_for_memory)};
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)
