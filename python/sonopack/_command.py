@@ -27,8 +27,9 @@ from ._table import Table, material_of, quantity
 
 DONE, FAILED, USAGE = 0, 1, 2
 
-#: the package of each command
-PACKAGES = {"plot": "plot", "view": "view", "convert": "formats", "reproduce": "papers"}
+#: the module of each command
+MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command",
+           "pack-lammps": "formats.engine"}
 
 #: which Debian package brings a module
 DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",
@@ -207,7 +208,7 @@ def start(name: str) -> NoReturn:
     """Runs the command NAME with the arguments of the process, and ends the process with its status."""
     status = FAILED
     try:
-        module = importlib.import_module(f"sonopack.{PACKAGES[name]}.command")
+        module = importlib.import_module(f"sonopack.{MODULES[name]}")
         parser = module.parser()
         status = module.run(parser.parse_intermixed_args(sys.argv[1:])) or DONE
         sys.stdout.flush()

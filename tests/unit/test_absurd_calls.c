@@ -6,7 +6,6 @@
 #include <dirent.h>
 #include <malloc.h>
 #include <sonopack/sonopack.h>
-#include <sonopack/study/import.h>
 #include <sonopack/study/store.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -61,7 +60,6 @@ static void scenes(void) {
 
 static void files(const sp_packing *p) {
     sp_packing read = sp_packing_none();
-    sp_import_options o = sp_import_options_default();
     sp_store *store = NULL;
     sp_error reason = {0};
     assert_ok(sp_packing_save(p, packing_h5, &err));
@@ -73,7 +71,6 @@ static void files(const sp_packing *p) {
     assert_int_not_equal(sp_packing_read(broken, &read, &reason), SP_OK);
     assert_int_not_equal(sp_packing_read("/nowhere/p.h5", &read, &reason), SP_OK);
     assert_int_not_equal(sp_packing_save(p, "/nowhere/p.h5", &reason), SP_OK);
-    assert_int_not_equal(sp_import(broken, &o, &read, NULL, &reason), SP_OK);
     assert_ok(sp_store_open(store_path, true, &store, &err));
     sp_store_close(store);
 }

@@ -13,7 +13,7 @@ from .._records import Material
 from . import mat, table, vtk
 from ._faults import bad_file, bad_option
 from .export import Export, Units, beside, number_text
-from .finish import forget_stiffness, not_usual
+from .finish import not_usual, usual_stiffness
 from .law import stiffness, wall_stiffness
 from .options import CELLS, WALLS
 from .work import Links
@@ -38,14 +38,13 @@ def read(path: str, form: str, material: Material | None = None) -> Packing:
     """The packing of a file of form "vtp", "mat" or "csv". Files in SI units need the material of the grains."""
     try:
         whole = {"vtp": _read_vtp, "mat": _read_mat, "csv": _read_csv}[form](path)
+        if whole.si and material is None:
+            raise bad_option(f"{path}: is in SI units; give --material E=...,nu=...,rho=...,d=... of its grains")
+        return _build(whole, Units.of(material if whole.si else None), material)
     except (KeyError, IndexError, TypeError, ValueError, AttributeError) as fault:
         if isinstance(fault, InvalidInput):
             raise
         raise bad_file(f"{path}: is no packing of sonopack's: {fault} is missing, or of another size") from None
-    if whole.si and material is None:
-        raise bad_option(f"{path}: is in SI units; give --material E=...,nu=...,rho=...,d=... of its grains")
-    units = Units.of(material if whole.si else None)
-    return _build(whole, units, material)
 
 
 def _build(whole: _Whole, u: Units, material: Material | None) -> Packing:
@@ -57,7 +56,8 @@ def _build(whole: _Whole, u: Units, material: Material | None) -> Packing:
         raise bad_file(f"{whole.path}: a contact of grains that are not there; must be 0 .. {len(r) - 1}")
     links.row = np.arange(len(links))
     wall = head.get("wall") or _wall_of(r, links)
-    forget_stiffness(r, links, wall, float(head["friction"]), float(head["poisson"]))
+    usual = usual_stiffness(r, links, wall, float(head["friction"]) if dim > 1 else 0.0, float(head["poisson"]))
+    links.kn, links.kt = np.where(usual, 0, links.kn), np.where(usual, 0, links.kt)
     mass = whole.mass / u.mass
     inertia = 0.4 * mass * r * r
     try:
@@ -72,7 +72,8 @@ def _build(whole: _Whole, u: Units, material: Material | None) -> Packing:
 
 
 def _wall_of(r: Floats, links: Links) -> str:
-    """The kind of wall that the stiffnesses of the contacts with walls fit: VTK's files do not name it."""
+    """The kind of wall that the stiffnesses of the contacts with walls fit: VTK's files name it only where these
+    do not tell."""
     walls = (links.j < 0) & (links.overlap > 0)
     for kind in WALLS if walls.any() else ():
         kn = 2.0 * wall_stiffness(r[links.i[walls]], kind) * np.sqrt(links.overlap[walls])
@@ -106,7 +107,8 @@ def _read_vtp(path: str) -> _Whole:
     cell = CELLS[int(grains["cell"][0])] if "cell" in grains else "piston"
     head = {"dimension": grains["dimension"][0], "box": np.ravel(grains["box"]), "cell": cell,
             "tilt": np.ravel(grains.get("tilt", np.zeros(3))), **{key: grains[key][0] for key in ("pressure", "friction", "poisson")},
-            "gravity": grains["gravity"][0] if "gravity" in grains else 0.0}
+            "gravity": grains["gravity"][0] if "gravity" in grains else 0.0,
+            "wall": WALLS[int(grains["wall_kind"][0])] if "wall_kind" in grains else None}
     return _Whole(path, grains["Points"].reshape(-1, 3), grains["radius"], grains["mass"], links, head, "lengths in m" in note)
 
 

@@ -13,7 +13,6 @@ from . import touch
 from ._faults import bad_file, bad_option, refused
 from .law import eta, hertz_overlap, stiffness_of, wall_stiffness
 from .options import NAN, SIDES
-from .walls import sum_over
 from .work import Links, Work, fractions, length, running_sum, sphere_mass
 
 
@@ -27,7 +26,8 @@ def make(w: Work) -> Packing:
     order = np.lexsort((np.maximum(links.j, 0), links.i, np.maximum(-links.j, 0)))
     wild, w.links = links, links.take(order)
     mass, inertia = _masses(w)
-    _forget_usual_stiffness(w)
+    if usual_stiffness(w.r, w.links, w.wall, w.friction, w.poisson).all():
+        w.links.kn, w.links.kt = w.links.kn * 0, w.links.kt * 0
     report = w.report
     report.grains, report.contacts, report.wall_contacts = w.n, len(links), int((links.j < 0).sum())
     pressure = _piston_pressure(w, wild, mass) if w.cell == "piston" else _mean_pressure(w)
@@ -131,17 +131,13 @@ def not_usual(r: Floats, mass: Floats, inertia: Floats) -> tuple[Floats | None, 
     return (None, None) if spheres else (mass, inertia)
 
 
-def _forget_usual_stiffness(w: Work) -> None:
-    forget_stiffness(w.r, w.links, w.wall, w.friction, w.poisson)
-
-
-def forget_stiffness(r: Floats, links: Links, wall: str, friction: float, poisson: float) -> None:
-    """Stiffnesses that are those of Hertzian spheres anyway, as in our own CSV, say nothing new."""
+def usual_stiffness(r: Floats, links: Links, wall: str, friction: float, poisson: float) -> np.ndarray:  # type: ignore[type-arg]
+    """Which stiffnesses are those of Hertzian spheres anyway, as in our own files, and say nothing new."""
     with np.errstate(invalid="ignore"):
         kn = 2.0 * stiffness_of(r, links, wall) * np.sqrt(links.overlap)
-        usual = (links.kn > 0) & near(links.kn, kn) & (near(links.kt, eta(poisson) * kn) | (not friction > 0))
-    if usual.all():
-        links.kn, links.kt = links.kn * 0, links.kt * 0
+        usual: np.ndarray = (links.kn > 0) & near(links.kn, kn) & (  # type: ignore[type-arg]
+            near(links.kt, eta(poisson) * kn) | (not friction > 0))
+    return usual
 
 
 def tangents(links: Links, dim: int) -> Links:
@@ -236,22 +232,32 @@ def _stress(w: Work, links: Links) -> float:
 
 # ---- balance --------------------------------------------------------------------------------------------------------
 
-def _imbalance(w: Work, p: Packing, sign: float) -> tuple[float, float, float]:
-    """The largest net force and torque over R, and the sum of squares of the forces. sign: of tangential forces."""
+def _imbalance(w: Work, p: Packing) -> tuple[float, float, float, float, float]:
+    """Of the grains that carry force: the largest net force, torque over R, and net force with the other sign of the
+    tangential forces; and the sums of squares of both forces."""
     links = w.links
-    net = sum_over(links, w.n, sign * links.ft - links.fn[:, None] * links.n)
-    torque = length(sum_over(links, w.n, np.cross(links.n, links.ft), 1.0))
+    net, tangential = _sums(links, w.n, -links.fn[:, None] * links.n), np.zeros((w.n, 3))
+    torque = tangential
+    if links.ft.any():
+        tangential, torque = _sums(links, w.n, links.ft), _sums(links, w.n, np.cross(links.n, links.ft), 1.0)
     if w.gravity != 0:
         net[:, w.up] -= w.gravity * (sphere_mass(w.r) if p.mass is None else p.mass)
-    counted = (p.rattlers() == 0) & ~(w.boundary & (w.o.walls is None))
-    force = length(net)[counted]
-    return float(force.max(initial=0)), float(torque[counted].max(initial=0)), float((force * force).sum())
+    counted = ~p.rattlers() & ~(w.boundary & (w.o.walls is None))
+    now, other = (length(net + sign * tangential)[counted] for sign in (1, -1))
+    return (float(now.max(initial=0)), float(length(torque)[counted].max(initial=0)), float(other.max(initial=0)),
+            float((now * now).sum()), float((other * other).sum()))
+
+
+def _sums(links: Links, n: int, values: Floats, sign: float = -1.0) -> Floats:
+    """Sums over the contacts of each grain, in an order of their own: for what is told in two digits."""
+    pairs = links.j >= 0
+    return np.stack([np.bincount(links.i, column, n) + sign * np.bincount(links.j[pairs], column[pairs], n)
+                     for column in values.T], axis=1)
 
 
 def _check_balance(w: Work, p: Packing) -> None:
     mean = running_sum(w.links.fn / max(1, len(w.links)))
-    now, torque, squares = _imbalance(w, p, 1)
-    turned, _, turned_squares = _imbalance(w, p, -1)
+    now, torque, turned, squares, turned_squares = _imbalance(w, p)
     none = bool((p.rattlers() != 0).all())
     w.report.balance = now / mean if mean > 0 and not none else NAN
     if none:

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from .._core import Floats, Integers
+from .._core import Integers
 from .work import Links, Work, fractions
 
 _PART = 2_000_000  # pairs that are looked at together
@@ -123,11 +123,16 @@ def _touching(w: Work, order: Integers, start: Integers, near: tuple[Integers, I
 def _overlapping(w: Work, i: Integers, j: Integers) -> tuple[Integers, Integers]:
     other = i != j
     i, j = i[other], j[other]
-    d: Floats = w.separation(i, j)
-    reach = (w.r[i] + w.r[j]) * (1 + 1e-12)  # what is left is decided as the contact's own overlap is
-    near = d[:, 0] * d[:, 0] + d[:, 1] * d[:, 1] + d[:, 2] * d[:, 2] < reach * reach
-    links = Links(int(near.sum()))
-    links.i, links.j = i[near], j[near]
+    reach = 2.0001 * float(w.r.max())
+    for a in reversed(range(w.dim if not any(w.tilt) else 0)):  # most are too far apart along one axis
+        d = np.ascontiguousarray(w.x[:, a])
+        d = d[j] - d[i]
+        if w.periodic[a]:
+            d -= w.edge[a] * np.rint(d / w.edge[a])
+        near = np.abs(d) < reach
+        i, j = i[near], j[near]
+    links = Links(len(i))
+    links.i, links.j = i, j
     w.place_links(links)
     touch = links.depth > 0
-    return np.minimum(links.i, links.j)[touch], np.maximum(links.i, links.j)[touch]
+    return np.minimum(i, j)[touch], np.maximum(i, j)[touch]

@@ -15,6 +15,7 @@ import numpy as np
 from .._core import Floats
 from ._faults import bad_file
 from .export import Export, beside, number_text
+from .options import CELLS, WALLS
 from .sheet import load
 
 _TYPES = {"f8": "Float64", "i8": "Int64", "i4": "Int32"}
@@ -55,8 +56,10 @@ def _whole(e: Export) -> str:
     text = _array("dimension", p.dim, "i4") + _array("box", [e.box]) + "".join(
         _array(name, value) for name, value in (("pressure", e.pressure), ("friction", p.friction), ("poisson", p.poisson)))
     if e.special:
-        text += _array("cell", ("piston", "periodic", "box").index(p.cell), "i4") + _array("tilt", [e.tilt])
+        text += _array("cell", CELLS.index(p.cell), "i4") + _array("tilt", [e.tilt])
         text += _array("gravity", e.gravity)
+    if e.springs or (p.wall != WALLS[0] and not (e.j < 0).any()):  # else the stiffnesses of contacts with walls tell it
+        text += _array("wall_kind", WALLS.index(p.wall), "i4")
     return _field(text)
 
 

@@ -47,9 +47,8 @@ sp_status cli_foreign_name(const sp_table *t, const char *path, int k, char name
     const char *ending = ending_of(path);
     const int stem = (int)(ending - path);
     const bool several = has_ending(path, ".sac") && t->columns > 2;
-    const int length = several
-                           ? snprintf(name, SP_PATH_MAX, "%.*s-%s%s", stem, path, t->column[k + 1].name, ending)
-                           : snprintf(name, SP_PATH_MAX, "%s", path);
+    const int length = several ? snprintf(name, SP_PATH_MAX, "%.*s-%s%s", stem, path, t->column[k + 1].name, ending)
+                               : snprintf(name, SP_PATH_MAX, "%s", path);
     return length < SP_PATH_MAX ? SP_OK : sp_fail(err, SP_EINVAL, "%.100s: the name is too long", path);
 }
 
