@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import functools
+import sys
 from collections.abc import Iterator
 from typing import Any
 
@@ -55,6 +56,8 @@ def _same_size(draw: Any, count: int) -> Iterator[Any]:
         fig = np.ravel(np.asarray(axes, object))[0].figure
         size = fig.get_size_inches() if size is None else size
         fig.set_size_inches(size)
+        if "matplotlib.pyplot" in sys.modules:  # which would keep and show every frame
+            sys.modules["matplotlib.pyplot"].close(fig)
         yield axes
 
 
