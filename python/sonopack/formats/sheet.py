@@ -142,9 +142,11 @@ class Sheet:
         self.values = self._parse(region, count)
         if self.rows < count:
             lines = at.text.count(b"\n") + (not at.text.endswith(b"\n"))
-            raise bad_file(f"{self.file}:{lines}: the file ends after {self.rows} of {count} {what}; must have all of them")
+            raise bad_file(f"{self.file}:{lines}: the file ends after {self.rows} of {count} {what}; must have all of "
+                           f"them")
         if count and not at.text.endswith(b"\n") and self._offset_of_last() == len(at.text):
-            raise bad_file(f"{self.file}:{self.line(self.rows - 1)}: the file ends inside of this line; must end with a line "
+            raise bad_file(f"{self.file}:{self.line(self.rows - 1)}: the file ends inside of this line; must end with "
+                           f"a line "
                            "end")
         return self
 
@@ -163,8 +165,10 @@ class Sheet:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # cells that are too many are found in "more"
                 frame = pandas.read_csv(
-                    io.BytesIO(region), header=None, names=[*range(len(self.names)), "more"], index_col=False, nrows=count,
-                    engine="c", float_precision="round_trip", encoding_errors="replace", low_memory=False, quoting=3, **words)
+                    io.BytesIO(region), header=None, names=[*range(len(self.names)), "more"], index_col=False,
+                    nrows=count,
+                    engine="c", float_precision="round_trip", encoding_errors="replace", low_memory=False, quoting=3,
+                    **words)
         except (pandas.errors.ParserError, pandas.errors.EmptyDataError, OverflowError, ValueError):
             return self._parse_rows(count)
         more = frame.pop("more")
@@ -241,7 +245,8 @@ class Sheet:
 
     def fail(self, row: int, column: int, rule: str) -> NoReturn:
         """Refuses a cell."""
-        raise bad_file(f"{self.file}:{self.line(row)}: column {self.names[column]} is '{self.word(row, column)}'; must be "
+        raise bad_file(f"{self.file}:{self.line(row)}: column {self.names[column]} is '{self.word(row, column)}'; must "
+                       f"be "
                        f"{rule}")
 
     def finite(self, column: int, rows: Integers | None = None) -> Floats:
