@@ -27,7 +27,7 @@ BACK = int(lib.SP_BACK)
 CONTACT = _core.dtype_of("sp_contact")
 
 
-class Packing(_core.Result):
+class Packing(_core.Drawn, _core.Result):
     """Grains at rest under pressure, and their contacts.
 
     Lengths are in mean grain diameters d, pressures in E*, forces in E* d^2, times in d / sqrt(E* / rho). The arrays are
@@ -35,6 +35,7 @@ class Packing(_core.Result):
     """
 
     _type = "sp_packing"
+    _figure = "network"
     dim = Value[int]()
     n = Value[int]()
     x = Array("n", 3)

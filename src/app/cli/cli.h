@@ -61,8 +61,6 @@ int cmd_front(int argc, char **argv);
 int cmd_modes(int argc, char **argv);
 int cmd_moduli(int argc, char **argv);
 int cmd_pack(int argc, char **argv);
-int cmd_plot(int argc, char **argv);
-int cmd_reproduce(int argc, char **argv);
 int cmd_sensitivity(int argc, char **argv);
 int cmd_signal(int argc, char **argv);
 int cmd_spectrum(int argc, char **argv);

@@ -296,8 +296,6 @@ static sp_status may_write_output(const arguments *a, sp_error *err) {
         return SP_OK;
     if (!cli_has_ending(path, ".txt") && !cli_is_hdf5(path))
         return sp_fail(err, SP_EINVAL, "-o %s: the ending of a packing must be .h5 or .txt", path);
-    if (!cli_has_ending(path, ".txt"))
-        sp_hdf5_load();
     return cli_may_write(&a->common, path, err);
 }
 
