@@ -16,7 +16,7 @@ RANKS = {"core/base": 0, "core/table": 1, "core/numeric": 1, "core/linalg": 1, "
          "core/packing": 3, "core/network": 4, "core/units": 4, "core/modes": 5, "core/elastic": 5, "core/spectrum": 6,
          "core/signal": 6, "core/cost": 7, "core/amplitude": 7, "core/transport": 7, "core/sensitivity": 7,
          "core/inference": 8, "tapped": 7, "study/scene": 8, "study/ensemble": 9, "study/store": 10,
-         "study/foreign": 11, "app/cli": 12}
+         "app/cli": 12}
 # what stands beside a room, not below it
 BESIDE = {"tapped": {"core/base", "core/table", "core/numeric", "core/linalg"}}
 # headers of other libraries, and the rooms that may see them

@@ -4,8 +4,8 @@
     packing.save("packing.vtp")
     for packing in sonopack.formats.series("atoms.dump", friction=0.5): ...
 
-Each form has a module that reads rows of numbers into a Sheet, or writes an Export; what the rows mean is found out in the
-order of load(): grains, cell, contacts, walls, Hertz's law, and the packing with its balance.
+Each form has a module that reads rows of numbers into a Sheet, or writes an Export; what the rows mean is found out in
+the order of load(): grains, cell, contacts, walls, Hertz's law, and the packing with its balance.
 """
 from __future__ import annotations
 
@@ -32,7 +32,8 @@ ENDINGS = {".vtp": "vtp", ".data": "lammps-data", ".lammps": "lammps-data", ".du
            ".extxyz": "xyz", ".csv": "csv", ".mat": "mat"}
 #: those with a place for displacements
 MOVING = ("vtp", "lammps-dump", "xyz", "csv", "mat")
-_OPTIONS = ("contacts", "walls", "columns", "types", "frame", "length_unit", "force_unit", "mass_unit", "kn", "kt_ratio",
+_OPTIONS = ("contacts", "walls", "columns", "types", "frame", "length_unit", "force_unit", "mass_unit", "kn",
+            "kt_ratio",
             "thickness", "rest", "threads")
 
 
@@ -41,16 +42,18 @@ _OPTIONS = ("contacts", "walls", "columns", "types", "frame", "length_unit", "fo
 def read(path: Path, *, form: str = "auto", material: Material | None = None, **words: Any) -> Packing:
     """The packing of a file of another program (docs/formats.md).
 
-    words: contacts, walls (files, or words as of --contacts and --walls), columns={role: name}, types, frame, length_unit,
-    force_unit, mass_unit, kn, kt_ratio, thickness, rest; and the keys of --set: friction=0.5, top=8.9, wall="elastic".
-    packing.report says what was read: its lines() are what the command prints.
+    words: contacts, walls (files, or words as of --contacts and --walls), columns={role: name}, types, frame,
+    length_unit, force_unit, mass_unit, kn, kt_ratio, thickness, rest; and the keys of --set: friction=0.5, top=8.9,
+    wall="elastic". packing.report says what was read: its lines() are what the command prints.
     """
     options = Options(form, material=material, **{name: words.pop(name) for name in _OPTIONS if name in words})
     if options.columns is not None and not isinstance(options.columns, str):
         options.columns = ",".join(f"{role}={name}" for role, name in options.columns.items())
     if options.types is not None and not isinstance(options.types, str):
-        options.types = ",".join(map(str, options.types if isinstance(options.types, (list, tuple)) else [options.types]))
-    options.contacts, options.walls = (None if word is None else os.fspath(word) for word in (options.contacts, options.walls))
+        options.types = ",".join(map(str, options.types if isinstance(options.types, (list, tuple))
+                                     else [options.types]))
+    options.contacts, options.walls = (None if word is None else os.fspath(word)
+                                       for word in (options.contacts, options.walls))
     options.keys = keys_of(words)
     packing, report = load(os.fspath(path), options)
     packing.report = report
@@ -60,11 +63,13 @@ def read(path: Path, *, form: str = "auto", material: Material | None = None, **
 def load(path: str, options: Options) -> Made:
     """Reads a packing stage by stage."""
     form = options.form if options.form != "auto" else forms.form_of(path)
-    if form in ("vtp", "mat") or (form == "csv" and options.form == "auto" and options.contacts is None and not options.keys
+    if form in ("vtp", "mat") or (form == "csv" and options.form == "auto" and options.contacts is None
+                                  and not options.keys
                                   and complete.csv_is_whole(path)):
         return _whole(path, form, options)
     if form in ("auto", "ours"):
-        raise bad_file(f"{path}: {'a packing of this program' if form == 'ours' else 'its form is not recognised'}; --from must "
+        raise bad_file(f"{path}: {'a packing of this program' if form == 'ours' else 'its form is not recognised'}; "
+                       f"--from must "
                        "be lammps-data, lammps-dump, liggghts, yade, mercury, xyz, csv or photoelastic")
     _check_options(options, form)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -145,8 +150,8 @@ def is_foreign(path: str) -> bool:
 
 
 def series(path: Path, **words: Any) -> Iterator[Packing]:
-    """The packings of all frames of a file, or of the files of a folder or a pattern in the order of their names. words: as
-    of read(); contacts may be a file with the same frames, or a pattern with as many files."""
+    """The packings of all frames of a file, or of the files of a folder or a pattern in the order of their names.
+    words: as of read(); contacts may be a file with the same frames, or a pattern with as many files."""
     name = os.fspath(path)
     files = sorted(glob.glob(os.path.join(name, "*") if os.path.isdir(name) else name)) or [name]
     lists = sorted(glob.glob(os.fspath(words["contacts"]))) if words.get("contacts") not in (None, "overlap") else []
@@ -198,14 +203,15 @@ def content(packing: Packing, form: str, path: str, *, si: Material | None = Non
     e = Export(packing, path, si, displacement, rotation)
     if form in ("vtp", "csv"):
         return vtk.write(e) if form == "vtp" else complete.write_csv(e)
-    return {path: {"lammps-data": lammps.write_data, "lammps-dump": lammps.write_dump, "xyz": xyz.write, "mat": mat.write}[form](e)}
+    return {path: {"lammps-data": lammps.write_data, "lammps-dump": lammps.write_dump, "xyz": xyz.write,
+                   "mat": mat.write}[form](e)}
 
 
 def save(packing: Packing, path: Path, *, form: str | None = None, si: bool = False, displacement: Floats | None = None,
          rotation: Floats | None = None) -> None:
-    """Writes a packing for another program (docs/formats.md): all files, or none. form: one of ENDINGS' values, by default
-    that of the ending, which .gz may follow. si: in SI units, of the packing's material. displacement, rotation [n][3] are
-    listed as they are."""
+    """Writes a packing for another program (docs/formats.md): all files, or none. form: one of ENDINGS' values, by
+    default that of the ending, which .gz may follow. si: in SI units, of the packing's material. displacement, rotation
+    [n][3] are listed as they are."""
     name = os.fspath(path)
     form = form or form_for(name)
     if form not in ENDINGS.values():
@@ -214,7 +220,8 @@ def save(packing: Packing, path: Path, *, form: str | None = None, si: bool = Fa
         raise bad_option("si: the packing has no material")
     plain = name.removesuffix(".gz")
     write_files({file + name[len(plain):]: data for file, data in content(
-        packing, form, plain, si=packing.material if si else None, displacement=displacement, rotation=rotation).items()})
+        packing, form, plain, si=packing.material if si else None, displacement=displacement,
+        rotation=rotation).items()})
 
 
 def write_files(files: dict[str, bytes]) -> None:

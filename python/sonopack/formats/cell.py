@@ -48,8 +48,8 @@ def _has_walls(w: Work, a: int) -> bool:
 
 
 def _leans_on(w: Work, a: int, place: float, sign: int) -> bool:
-    """Whether grains lean on a face of the box as on a wall: some touch it, and none lies deeper than half of its radius.
-    Grains at a periodic face, or at that of a box which is as large as the centres need, do lie deeper."""
+    """Whether grains lean on a face of the box as on a wall: some touch it, and none lies deeper than half of its
+    radius. Grains at a periodic face, or at that of a box which is as large as the centres need, do lie deeper."""
     depth = w.r - sign * (place - w.x[:, a])
     return bool((depth <= 0.5 * w.r).all() and (depth > 0).any())
 
@@ -92,7 +92,8 @@ def _find_edge(w: Work, a: int) -> None:
     sheet, f, key = w.grains, w.axis[a], w.size_key(a)
     given = w.o.number(key)
     if not math.isfinite(given) and not sheet.box[f]:
-        raise bad_option(f": {w.path} has no box along {'xyz'[f]}; must be given, --set {key}=LENGTH for the period in the "
+        raise bad_option(f": {w.path} has no box along {'xyz'[f]}; must be given, --set {key}=LENGTH for the period in "
+                         f"the "
                          "file's units", key)
     w.low[a] = sheet.low[f] * w.scale if sheet.box[f] else 0.0
     w.edge[a] = given * w.scale if math.isfinite(given) else (sheet.high[f] - sheet.low[f]) * w.scale
@@ -102,13 +103,14 @@ def _find_edge(w: Work, a: int) -> None:
 
 
 def _find_tilt(w: Work, a: int, b: int) -> float:
-    """The component along axis a of the lattice vector of axis b. Files have lattice vectors of which the first lies along
-    x, the second in the plane of x and y: so must those of the packing."""
+    """The component along axis a of the lattice vector of axis b. Files have lattice vectors of which the first lies
+    along x, the second in the plane of x and y: so must those of the packing."""
     fa, fb = w.axis[a], w.axis[b]
     pair = fa + fb - 1
     value = w.o.keys.get(("xy", "xz", "yz")[pair], w.grains.tilt[pair])
     if value != 0 and (fa > fb or w.roles.axis_sign(fa) < 0 or w.roles.axis_sign(fb) < 0):
-        raise bad_option(f"{w.path}: a tilted box whose axes are turned (up, or a minus in --columns): must be x, y, z in this "
+        raise bad_option(f"{w.path}: a tilted box whose axes are turned (up, or a minus in --columns): must be x, y, z "
+                         f"in this "
                          "order")
     return float(value * w.scale)
 
@@ -129,8 +131,10 @@ def _check_periods(w: Work) -> None:
     largest = float((2 * w.r).max())
     for a in range(w.dim):
         if w.periodic[a] and not w.open[a] and w.edge[a] <= 2 * largest:
-            raise bad_option(f": the period along {w.name_of(a)} is {w.edge[a] / w.scale:.6g}; must be more than two of the "
-                             f"largest grains, {2 * largest / w.scale:.6g}: in a smaller cell two grains could touch twice",
+            raise bad_option(f": the period along {w.name_of(a)} is {w.edge[a] / w.scale:.6g}; must be more than two "
+                             f"of the "
+                             f"largest grains, {2 * largest / w.scale:.6g}: in a smaller cell two grains could touch "
+                             f"twice",
                              w.size_key(a))
 
 
@@ -144,8 +148,8 @@ def _find_box(w: Work) -> None:
 
 
 def _find_two_walls(w: Work, a: int) -> None:
-    """The two walls of an axis: from the options, or the faces of the box. Photoelastic disks have neither: the walls are
-    then where the outermost disks end, and their overlaps are not known."""
+    """The two walls of an axis: from the options, or the faces of the box. Photoelastic disks have neither: the walls
+    are then where the outermost disks end, and their overlaps are not known."""
     sheet, f = w.grains, w.axis[a]
     size = w.o.number(w.size_key(a))
     place = [0.0, 0.0]
@@ -166,7 +170,8 @@ def _find_two_walls(w: Work, a: int) -> None:
             place[side] = _extent(w, a)[side]
         else:
             key = SIDES[-1 - wall]
-            raise bad_option(f": {w.path} has no box along {'xyz'[f]}; must be given, --set {key}=PLACE in the file's units",
+            raise bad_option(f": {w.path} has no box along {'xyz'[f]}; must be given, --set {key}=PLACE in the file's "
+                             f"units",
                              key)
     w.low[a], w.edge[a] = place[0], place[1] - place[0]
     if not w.edge[a] > 0:
@@ -188,8 +193,10 @@ def _find_piston(w: Work) -> None:
     for a in range(up):
         _find_period(w, a)
     if turned and not w.o.given("across"):
-        raise bad_option(f": {w.path} is periodic along {'xyz'[f]} too, where a piston has walls: --set across=drop cuts it at "
-                         "the face of the box and leaves out the contacts across, --set up=AXIS takes another axis, --set "
+        raise bad_option(f": {w.path} is periodic along {'xyz'[f]} too, where a piston has walls: --set across=drop "
+                         f"cuts it at "
+                         "the face of the box and leaves out the contacts across, --set up=AXIS takes another axis, "
+                         "--set "
                          "cell=periodic keeps it", "across")
     low, high = _piston_walls(w, turned)
     w.low[up], w.edge[up] = low, high - low
@@ -229,14 +236,16 @@ def _find_period(w: Work, a: int) -> None:
         w.note(f"{name}: no period; the box is {w.edge[a]:.6g} d wide, half a diameter more than the grains")
     elif sheet.box[f] and sheet.periodic[f] == 0:
         _open_side(w, a)
-        w.note(f"{name} is not periodic in the file: contacts with side walls are not taken, the box is {w.edge[a]:.6g} d wide, "
+        w.note(f"{name} is not periodic in the file: contacts with side walls are not taken, the box is "
+               f"{w.edge[a]:.6g} d wide, "
                "half a diameter more than the grains")
     elif sheet.box[f]:
         w.low[a], w.edge[a] = sheet.low[f] * w.scale, (sheet.high[f] - sheet.low[f]) * w.scale
         if sheet.periodic[f] < 0:
             w.note(f"{name}: taken as periodic, {w.edge[a]:.6g} d; --set sides=open if it is not")
     else:
-        raise bad_option(f": {w.path} has no box along {name}; must be given, --set {key}=LENGTH for the period in the file's "
+        raise bad_option(f": {w.path} has no box along {name}; must be given, --set {key}=LENGTH for the period in the "
+                         f"file's "
                          "units, or --set sides=open if there is none", key)
     if not w.edge[a] > 0:
         raise bad_option(f" = {given:g}: must be positive", key)

@@ -25,40 +25,43 @@ _KINDS = {"h5": ".h5", "txt": ".txt", "pvd": ".pvd", "vtp": ".vtp", "lammps-data
           "xyz": ".xyz", "csv": ".csv", "mat": ".mat"}
 _ENDINGS = ".h5, .txt, .vtp, .pvd, .data, .dump, .xyz, .csv or .mat"
 #: options of other programs' files
-_IMPORT = ("walls", "columns", "types", "frame", "length_unit", "force_unit", "mass_unit", "kn", "kt_ratio", "thickness", "rest")
+_IMPORT = ("walls", "columns", "types", "frame", "length_unit", "force_unit", "mass_unit", "kn", "kt_ratio",
+           "thickness", "rest")
 
 _USAGE = """%(prog)s [OPTION...] IN OUT [--contacts FILE|overlap]
   or:  %(prog)s [OPTION...] IN|OUT --grain-table G.tsv --contact-table C.tsv"""
 _HELP = """\
-The format of IN is recognised by its content, that of OUT by its ending or --to. With two tables and one packing file, the
-existing one of the two is read and the other is written. A table of grains may also take the place of IN or OUT; then only
-the table of contacts needs an option:
+The format of IN is recognised by its content, that of OUT by its ending or --to. With two tables and one
+packing file, the existing one of the two is read and the other is written. A table of grains may also take
+the place of IN or OUT; then only the table of contacts needs an option:
   sonopack convert grains.tsv P.h5 --contact-table contacts.tsv
-With IN, OUT and both tables the packing is written in both forms.
-IN may also be a file of LAMMPS, LIGGGHTS, Yade or MercuryDPM, extended XYZ, or a table; its contacts are then in --contacts
-FILE or, with --contacts overlap, found by overlap:
+With IN, OUT and both tables the packing is written in both forms. IN may also be a file of LAMMPS, LIGGGHTS,
+Yade or MercuryDPM, extended XYZ, or a table; its contacts are then in --contacts FILE or, with --contacts
+overlap, found by overlap:
   sonopack convert grains.dump P.h5 --contacts contacts.dump --set friction=0.5
---set then takes dimension, up, cell (piston, periodic or box: that of the file), sides, across, width, depth, bottom, top,
-height, left, right, front, back, xy, xz, yz, gravity, pressure, friction, poisson, wall, digits, first_id (docs/formats.md).
-For our own tables: box and material are in comment lines `# key = value' or in --set key=value: width, depth (3D), height,
-cell, xy, xz, yz, gravity, pressure, friction, poisson, wall, material, seed. Lengths are in mean grain diameters, pressures
-in E*.
+--set then takes dimension, up, cell (piston, periodic or box: that of the file), sides, across, width, depth,
+bottom, top, height, left, right, front, back, xy, xz, yz, gravity, pressure, friction, poisson, wall, digits,
+first_id (docs/formats.md). For our own tables: box and material are in comment lines `# key = value' or in
+--set key=value: width, depth (3D), height, cell, xy, xz, yz, gravity, pressure, friction, poisson, wall,
+material, seed. Lengths are in mean grain diameters, pressures in E*.
 
-Endings of OUT for other programs: .vtp (ParaView, OVITO: also NAME-contacts.vtp, NAME-walls.vtp and NAME.vtm), .pvd
-(ParaView: a series of snapshots, NAME-0000.vtp and so on), .data and .dump (LAMMPS), .xyz (extended XYZ), .csv
-(spreadsheets: also NAME-contacts.csv and NAME-packing.csv), .mat (MATLAB, Octave); and these with .gz behind them. All but
-.pvd can be read again."""
+Endings of OUT for other programs: .vtp (ParaView, OVITO: also NAME-contacts.vtp, NAME-walls.vtp and
+NAME.vtm), .pvd (ParaView: a series of snapshots, NAME-0000.vtp and so on), .data and .dump (LAMMPS), .xyz
+(extended XYZ), .csv (spreadsheets: also NAME-contacts.csv and NAME-packing.csv), .mat (MATLAB, Octave); and
+these with .gz behind them. All but .pvd can be read again."""
 
 
 def parser() -> Parser:
-    p = Parser("convert", usage=_USAGE, epilog=_HELP, description="Converts packings between HDF5 (.h5), a text file (.txt), "
+    p = Parser("convert", usage=_USAGE, epilog=_HELP,
+               description="Converts packings between HDF5 (.h5), a text file (.txt), "
                "two tables, and the files of other programs.")
     p.add_argument("files", nargs="*", metavar="IN OUT", help=argparse.SUPPRESS)
     add = p.add_argument
     add("--grain-table", "--grains", dest="grains", metavar="FILE.tsv",
         help="table of grains: id x y [z] radius. --grains is its older name")
     add("--contact-table", "--contacts", dest="contacts", metavar="FILE.tsv",
-        help="table of contacts: i j nx ny [nz] overlap Fn Ft. Its older name is --contacts, which with files of other programs "
+        help="table of contacts: i j nx ny [nz] overlap Fn Ft. Its older name is --contacts, which with files of other "
+             "programs "
              "names their list of contacts, or is overlap: all pairs that overlap")
     _add_import(p.add_argument_group("Packings of other programs").add_argument)
     _add_export(p.add_argument_group("Files for other programs").add_argument)
@@ -69,14 +72,16 @@ def parser() -> Parser:
 def _add_import(add: Any) -> None:
     unit, stiff = number(1e-30, 1e30), number(1e-300, 1e300)
     add("--from", dest="form", choices=forms.FORMS, default="auto", help="form of IN (auto)")
-    add("--walls", metavar="FILE|overlap|balance|none", help="contacts with the walls (those that IN has, else overlap)")
+    add("--walls", metavar="FILE|overlap|balance|none",
+        help="contacts with the walls (those that IN has, else overlap)")
     add("--columns", metavar="ROLE=NAME,...", help="columns of IN and its contacts, as in id1=c_1[1],ft_x=c_2[5]")
     add("--types", metavar="T,...", help="only grains of these types")
     add("--frame", metavar="N", type=whole(0, 9 * 10**15), help="frame or time step N (the last)")
     add("--length-unit", metavar="L", type=unit, help="length unit of IN over that of the material (1)")
     add("--force-unit", metavar="F", type=unit, help="the same for forces")
     add("--mass-unit", metavar="M", type=unit, help="the same for masses")
-    add("--kn", metavar="K", type=stiff, help="normal stiffness of all contacts, in units of the material (Hertz's law)")
+    add("--kn", metavar="K", type=stiff,
+        help="normal stiffness of all contacts, in units of the material (Hertz's law)")
     add("--kt-ratio", metavar="X", type=number(0, 100), help="tangential over normal stiffness (Mindlin's)")
     add("--thickness", metavar="H", type=stiff, help="grains are disks of this thickness, in units of the material")
     add("--rest", action="store_true", default=None, help="bring the grains to rest under their pressure")
@@ -84,7 +89,8 @@ def _add_import(add: Any) -> None:
 
 def _add_export(add: Any) -> None:
     add("--to", metavar="KIND", help=f"form of OUT, in place of its ending: {', '.join(_KINDS)}")
-    add("--vectors", metavar="FILE", help="displacements to write: a file of modes, or a table of displacements of this packing")
+    add("--vectors", metavar="FILE", help="displacements to write: a file of modes, or a table of displacements of "
+                                          "this packing")
     add("--mode", metavar="N", type=whole(0, 10**15), help="displacements in mode N, of --vectors or computed")
     add("--times", metavar="T|LOW:HIGH:N",
         help="displacements at these times after a pulse at the bottom wall; several need .pvd")
@@ -126,7 +132,8 @@ def _job(a: argparse.Namespace) -> _Job:
     if not job.foreign:
         for name in _IMPORT:
             if getattr(a, name) is not None:
-                raise usage(f"--{name.replace('_', '-')}: applies to files of other programs; {job.source or 'IN'} is not "
+                raise usage(f"--{name.replace('_', '-')}: applies to files of other programs; {job.source or 'IN'} is "
+                            f"not "
                             "recognised as one (--from FORM says its form)")
         return _own_files(job)
     job.target = a.output or job.target
@@ -148,7 +155,8 @@ def _own_files(job: _Job) -> _Job:
     elif two and job.grains in (None, job.target) and str(job.target).endswith(".tsv"):
         job.grains, job.target = job.target, None
     if (job.grains is None) != (job.contacts is None):
-        raise usage(f"a table of {'grains' if job.grains else 'contacts'} alone: give both --grain-table and --contact-table (or "
+        raise usage(f"a table of {'grains' if job.grains else 'contacts'} alone: give both --grain-table and "
+                    f"--contact-table (or "
                     "--grains and --contacts)")
     if job.source == "-" and job.grains:
         job.source = None
@@ -165,7 +173,8 @@ def _choose_direction(job: _Job) -> _Job:
     packing = os.path.exists(str(job.source))
     if all(found) and packing:
         words = f"{job.source} {job.grains}", f"{job.grains} {job.source}"
-        raise usage(f"{job.source} and both tables exist: use `convert {words[0]} --contact-table ...' to write the tables, or "
+        raise usage(f"{job.source} and both tables exist: use `convert {words[0]} --contact-table ...' to write the "
+                    f"tables, or "
                     f"`convert {words[1]} --contact-table ...' to read them")
     if all(found) or (not packing and any(found)):
         job.target, job.source = job.source, None
@@ -242,7 +251,8 @@ def _check_output(job: _Job) -> None:
         for k, name in enumerate(_outputs(job)):
             may_write(a, name, None, job.ending if k == 0 and a.to else None)
     if a.units == "si" and (not job.exports or job.writes_tables):
-        raise usage("--units si: packings are stored in d, E* and rho, in .h5, .txt and tables; files for other programs may be "
+        raise usage("--units si: packings are stored in d, E* and rho, in .h5, .txt and tables; files for other "
+                    "programs may be "
                     "in SI")
     for table in (job.grains, job.contacts) if job.writes_tables else ():
         may_write(a, str(table), None)
@@ -277,7 +287,8 @@ def _text(m: Material) -> str:
 
 
 def _take_material(job: _Job, packing: Packing) -> Packing:
-    """Gives a packing of ours the material of --material; of another program's it has it, with the diameter of the file."""
+    """Gives a packing of ours the material of --material; of another program's it has it, with the diameter of the
+    file."""
     a, own, path = job.a, packing.material, job.source or job.grains
     if a.material is None:
         if a.units == "si" and not own.young > 0:
@@ -285,7 +296,8 @@ def _take_material(job: _Job, packing: Packing) -> Packing:
                         "E=70e9,nu=0.22,rho=2500,d=1e-3 (Pa, kg/m^3, m)")
     elif not job.foreign:
         if not a.material.diameter > 0:
-            raise usage("material.d: is missing in --material; only files of other programs give it by their mean diameter")
+            raise usage("material.d: is missing in --material; only files of other programs give it by their mean "
+                        "diameter")
         if own.young > 0 and own != a.material:
             note(a, f"{path}: --material replaces its material {_text(own)}")
         packing = packing.of_material(a.material)
@@ -298,8 +310,8 @@ def _take_material(job: _Job, packing: Packing) -> Packing:
 # ---- writing --------------------------------------------------------------------------------------------------------
 
 def _factors(a: argparse.Namespace, packing: Packing, is_mode: bool) -> tuple[Material | None, float, float, float]:
-    """The material of SI units, and what displacements, rotations and times are multiplied by. A mode has |M^(1/2) u| = 1, so
-    that its u is in 1/sqrt(rho d^3) and its rotations in 1/sqrt(rho d^5)."""
+    """The material of SI units, and what displacements, rotations and times are multiplied by. A mode has |M^(1/2) u| =
+    1, so that its u is in 1/sqrt(rho d^3) and its rotations in 1/sqrt(rho d^5)."""
     m = packing.material
     if a.units != "si":
         return None, 1.0, 1.0, 1.0
@@ -370,7 +382,8 @@ def _note_losses(job: _Job, p: Packing) -> None:
     if job.ending == ".dump":
         walls = "" if p.cell == "periodic" else "walls and "
         wall = "" if p.cell == "periodic" else f"--set wall={p.wall} "
-        note(job.a, f"{job.target}: has no place for {walls}friction: to read it again, {wall}--set friction={p.friction:g}")
+        note(job.a, f"{job.target}: has no place for {walls}friction: to read it again, {wall}--set "
+                    f"friction={p.friction:g}")
 
 
 def _write(job: _Job, packing: Packing) -> None:
@@ -396,6 +409,7 @@ def run(a: argparse.Namespace) -> int:
     _write(job, packing)
     m = packing.material
     si = f" E* ({1e-3 * packing.pressure * modulus(m):.6g} kPa)" if m.young > 0 else ""
-    note(a, f"{job.source or job.grains} -> {job.target or job.grains}: {packing.n} grains, {len(packing.contacts)} contacts in "
+    note(a, f"{job.source or job.grains} -> {job.target or job.grains}: {packing.n} grains, {len(packing.contacts)} "
+            f"contacts in "
             f"{packing.dim}D at p = {packing.pressure:g}{si}")
     return 0

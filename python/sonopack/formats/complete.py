@@ -1,4 +1,5 @@
-"""Files that hold a whole packing, read back with every bit: VTK's of sonopack, MAT, and CSV with its table of the packing."""
+"""Files that hold a whole packing, read back with every bit: VTK's of sonopack, MAT, and CSV with its table of the
+packing."""
 from __future__ import annotations
 
 import dataclasses
@@ -63,7 +64,8 @@ def _build(whole: _Whole, u: Units, material: Material | None) -> Packing:
     try:
         return Packing.from_arrays(
             whole.x[:, :dim] / u.length, r, links.table(), box=[float(edge) / u.length for edge in head["box"][:dim]],
-            pressure=float(head["pressure"]) / u.stress, friction=float(head["friction"]), poisson=float(head["poisson"]),
+            pressure=float(head["pressure"]) / u.stress, friction=float(head["friction"]),
+            poisson=float(head["poisson"]),
             wall=wall, cell=head["cell"], tilt=[float(t) / u.length for t in head["tilt"]], material=material,
             gravity=float(head["gravity"]) * u.density * u.length / u.stress,
             **dict(zip(("mass", "inertia"), not_usual(r, mass, inertia))))
@@ -101,15 +103,18 @@ def _links(columns: dict[str, Any], dim: int, names: tuple[str, ...]) -> Links:
 def _read_vtp(path: str) -> _Whole:
     grains, note = vtk.read_arrays(path)
     if "scale" in grains or "mass" not in grains:
-        raise bad_file(f"{path}: has no grains and contacts of a packing; give NAME.vtp, not a part or a frame of a series")
+        raise bad_file(f"{path}: has no grains and contacts of a packing; give NAME.vtp, not a part or a frame of a "
+                       f"series")
     parts = [vtk.read_arrays(beside(path, suffix))[0] for suffix in ("-contacts.vtp", "-walls.vtp")]
     links = sum((_vtk_links(part, partner) for part, partner in zip(parts, ("id2", "wall"))), Links())
     cell = CELLS[int(grains["cell"][0])] if "cell" in grains else "piston"
     head = {"dimension": grains["dimension"][0], "box": np.ravel(grains["box"]), "cell": cell,
-            "tilt": np.ravel(grains.get("tilt", np.zeros(3))), **{key: grains[key][0] for key in ("pressure", "friction", "poisson")},
+            "tilt": np.ravel(grains.get("tilt", np.zeros(3))),
+            **{key: grains[key][0] for key in ("pressure", "friction", "poisson")},
             "gravity": grains["gravity"][0] if "gravity" in grains else 0.0,
             "wall": WALLS[int(grains["wall_kind"][0])] if "wall_kind" in grains else None}
-    return _Whole(path, grains["Points"].reshape(-1, 3), grains["radius"], grains["mass"], links, head, "lengths in m" in note)
+    return _Whole(path, grains["Points"].reshape(-1, 3), grains["radius"], grains["mass"], links, head,
+                  "lengths in m" in note)
 
 
 def _vtk_links(part: dict[str, Any], partner: str) -> Links:
@@ -129,7 +134,8 @@ def _read_mat(path: str) -> _Whole:
     for a in range(dim):
         x[:, a] = grains["xyz"[a]]
     head = {"cell": "piston", "tilt": np.zeros(3), "gravity": 0.0,
-            **{key: value if isinstance(value, str) or key in ("box", "tilt") else value[0] for key, value in found.items()
+            **{key: value if isinstance(value, str) or key in ("box", "tilt") else value[0] for key,
+               value in found.items()
                if key in _HEAD}}
     links = _links(found["contacts"], dim, ("i", "j", "overlap", "Fn", "kn", "kt"))
     return _Whole(path, x, grains["radius"], grains["mass"], links, head, head["units"] == "SI")
@@ -145,7 +151,8 @@ def csv_is_whole(path: str) -> bool:
 def write_csv(e: Export) -> dict[str, bytes]:
     """NAME.csv, NAME-contacts.csv, and NAME-packing.csv: keys and values of what the two others cannot say."""
     p, n = e.packing, number_text
-    values = {"dimension": str(p.dim), "box": " ".join(map(n, e.box[:p.dim])), "tilt": " ".join(map(n, e.tilt)), "cell": p.cell,
+    values = {"dimension": str(p.dim), "box": " ".join(map(n, e.box[:p.dim])), "tilt": " ".join(map(n, e.tilt)),
+              "cell": p.cell,
               "pressure": n(e.pressure), "gravity": n(e.gravity), "friction": n(p.friction), "poisson": n(p.poisson),
               "wall": p.wall, "units": "SI" if e.units.all == "SI" else "own"}
     text = "key,value\n" + "".join(f"{key},{value}\n" for key, value in values.items())
@@ -154,12 +161,14 @@ def write_csv(e: Export) -> dict[str, bytes]:
 
 def _read_csv(path: str) -> _Whole:
     from .sheet import text_of
-    rows = [line.partition(",")[::2] for line in text_of(beside(path, "-packing.csv")).decode(errors="replace").splitlines()]
+    rows = [line.partition(",")[::2]
+            for line in text_of(beside(path, "-packing.csv")).decode(errors="replace").splitlines()]
     said: dict[str, Any] = dict(rows[1:])
     head = {key: said[key] for key in _HEAD}
     head |= {key: np.array([float(word) for word in said[key].split()]) for key in ("box", "tilt")}
     grains, contacts = table.read(path), table.read(beside(path, "-contacts.csv"))
-    columns = {sheet.file: {name: sheet.finite(k) for k, name in enumerate(sheet.names)} for sheet in (grains, contacts)}
+    columns = {sheet.file: {name: sheet.finite(k) for k, name in enumerate(sheet.names)}
+               for sheet in (grains, contacts)}
     own = columns[grains.file]
     dim = int(head["dimension"])
     x = np.zeros((grains.rows, 3))

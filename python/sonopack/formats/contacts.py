@@ -44,7 +44,8 @@ def _find_columns(w: Work, sheet: Sheet) -> _Columns:
                      {role: w.roles.find(sheet, role) for role in ("overlap", "fn", "ft", "kn", "kt")},
                      {role: w.roles.vector(sheet, role, axes) for role in ("fn", "f", "ft", "t", "p")})
     ft = found.numbers["ft"]
-    if ft is not None and found.vectors["t"] is None and w.dim == 2 and "ft" not in w.roles.named:  # t turns when one axis does
+    # t turns when one axis does
+    if ft is not None and found.vectors["t"] is None and w.dim == 2 and "ft" not in w.roles.named:
         found.numbers["ft"] = ft[0], ft[1] * w.roles.axis_sign(axes[0]) * w.roles.axis_sign(axes[1])
     return found
 
@@ -106,8 +107,8 @@ def _find_grains(w: Work, sheet: Sheet, column: int) -> tuple[Integers, np.ndarr
 
 
 def _read_pairs(w: Work, sheet: Sheet, columns: _Columns) -> tuple[Links, Floats, int]:
-    """The grains of each row, i < j or j a wall; the sign of what acts on the first of the row; and how many contacts with
-    side walls are left out."""
+    """The grains of each row, i < j or j a wall; the sign of what acts on the first of the row; and how many contacts
+    with side walls are left out."""
     first, skip1 = _find_grains(w, sheet, columns.id1[0])
     second, skip2 = _find_grains(w, sheet, columns.id2[0])
     rows = np.flatnonzero(~(skip1 | skip2))
@@ -125,14 +126,15 @@ def _read_pairs(w: Work, sheet: Sheet, columns: _Columns) -> tuple[Links, Floats
 
 
 def _place_at_walls(w: Work, sheet: Sheet, columns: _Columns, links: Links) -> np.ndarray:  # type: ignore[type-arg]
-    """Contacts with a wall that the list has: which one, by where the contact lies. Returns which are at side walls, or at
-    edges, and are left out."""
+    """Contacts with a wall that the list has: which one, by where the contact lies. Returns which are at side walls, or
+    at edges, and are left out."""
     beside = np.zeros(len(links), bool)
     here = np.flatnonzero(links.j == _WALL)
     if len(here) == 0:
         return beside
     if columns.vectors["p"] is None:
-        raise bad_file(f"{sheet.file}:{sheet.line(int(links.row[here[0]]))}: a contact with a wall without the point of "
+        raise bad_file(f"{sheet.file}:{sheet.line(int(links.row[here[0]]))}: a contact with a wall without the point "
+                       f"of "
                        "contact, p_x p_y")
     p = w.vectors(sheet, columns.vectors["p"], links.row[here])
     p = p * w.scale - np.array(w.low) - w.x[links.i[here]]
@@ -157,8 +159,8 @@ def _read_numbers(w: Work, sheet: Sheet, columns: _Columns, links: Links) -> Non
 
 
 def _read_vectors(w: Work, sheet: Sheet, columns: _Columns, links: Links, turn: Floats) -> float:
-    """The vectors of the rows, turned to act on grain i. Normal forces are taken along n, whatever their sense, which is
-    returned."""
+    """The vectors of the rows, turned to act on grain i. Normal forces are taken along n, whatever their sense, which
+    is returned."""
     sense, vectors = 0.0, columns.vectors
     given = vectors["f"] or vectors["fn"]
     if given:
@@ -178,7 +180,9 @@ def _read_vectors(w: Work, sheet: Sheet, columns: _Columns, links: Links, turn: 
     elif w.dim == 2:  # along t, which turns with n
         t = np.stack([-turn * links.n[:, 1], turn * links.n[:, 0], 0 * turn], axis=1)
     else:
-        raise bad_file(f"{sheet.file}: column {sheet.names[columns.numbers['ft'][0]]} alone; in three dimensions tangential "  # type: ignore[index]
+        # type: ignore[index]
+        raise bad_file(f"{sheet.file}: column {sheet.names[columns.numbers['ft'][0]]} alone; in three dimensions "
+                       f"tangential "
                        "forces must be vectors, ft_x ft_y ft_z")
     links.ft = (turn * size)[:, None] * t * w.force
     return sense
@@ -197,7 +201,8 @@ def _turn_sense(w: Work, sheet: Sheet, links: Links, sense: float) -> None:
     bad = np.flatnonzero(links.fn < 0)
     if len(bad):
         k = int(bad[0])
-        raise bad_file(f"{sheet.file}:{sheet.line(int(links.row[k]))}: the normal force of {_pair_text(w, links, k)} is "
+        raise bad_file(f"{sheet.file}:{sheet.line(int(links.row[k]))}: the normal force of {_pair_text(w, links, k)} "
+                       f"is "
                        f"{links.fn[k] / w.force:.6g}: an attraction; must be >= 0")
     if sense < 0:
         w.note(f"the forces of {sheet.file} act on the second grain of each row: turned")

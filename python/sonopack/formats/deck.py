@@ -1,5 +1,5 @@
-"""The files that LAMMPS is given for a packing: the gas of grains, and the input script with our contact law, our piston, and
-our protocol. Lengths in mean diameters, density and E* of the grains 1."""
+"""The files that LAMMPS is given for a packing: the gas of grains, and the input script with our contact law, our
+piston, and our protocol. Lengths in mean diameters, density and E* of the grains 1."""
 from __future__ import annotations
 
 import dataclasses
@@ -40,7 +40,8 @@ def check(given: Any) -> None:
             (s.protocol == lib.SP_PROTOCOL_AFFINE, "protocol", ' = "affine"',
              "must be another for --engine lammps, which pushes with a piston"),
             (s.compression != lib.SP_COMPRESSION_PISTON, "compression", "", 'must be "piston" for --engine lammps'),
-            (s.history_count > 0, "history", f" = ({s.history_count} pressures)", "must be empty for --engine lammps; give the "
+            (s.history_count > 0, "history", f" = ({s.history_count} pressures)", "must be empty for --engine lammps; "
+                                                                                  "give the "
              'packing that it makes to packing.kind = "file"'),
             (getattr(s, "reference", False), "reference", " = true", "must be false for --engine lammps"),
             (s.viscous_limit != 1 and s.viscous_limit < 1000, "viscous_limit", f" = {s.viscous_limit:g}",
@@ -86,8 +87,8 @@ def _tsuji(e: float) -> float:
 
 
 def restitution(alpha: float) -> float:
-    """The number for which the polynomial of `damping tsuji' is alpha. Between 0 and 1 it falls from 1.2728 to 0, and it
-    grows without bounds above 1.3. LAMMPS takes any number there."""
+    """The number for which the polynomial of `damping tsuji' is alpha. Between 0 and 1 it falls from 1.2728 to 0, and
+    it grows without bounds above 1.3. LAMMPS takes any number there."""
     low, high = (10.0, 1.3) if alpha > _tsuji(0) else (0.0, 1.0)
     for _ in range(200):
         middle = 0.5 * (low + high)
@@ -122,14 +123,16 @@ def _step(s: Any, stiffness: float) -> float:
     viscous = 6.25 * s.damping  # a lighter damping allows longer steps
     stable, usual = (math.sqrt(v * v + 4) - v for v in (viscous, 6.25 * 0.8))
     step = min(s.time_step, _DEFAULT_STEP)  # longer steps need grains with more inertia, which LAMMPS does not have
-    return _STEP_AT_DEFAULT * step / _DEFAULT_STEP * min(2, stable / usual) * math.sqrt(_mass(0.5 * s.diameter_min) / stiffness)
+    factor = _STEP_AT_DEFAULT * step / _DEFAULT_STEP * min(2, stable / usual)
+    return factor * math.sqrt(_mass(0.5 * s.diameter_min) / stiffness)
 
 
 def plan(s: Any, height: float) -> Deck:
     """The numbers for a resolved spec and a gas of this height."""
     p, area, ratio = pressure_of(s), s.width * (s.depth if s.dim == 3 else 1), eta(s.poisson)
     longest = max(s.width, s.depth, 0.5 * height)
-    alpha = 2 * s.damping * math.sqrt(1.5)  # c = 2 zeta sqrt(m k_n) with k_n = 1.5 F_n/n; tsuji: c = alpha sqrt(m F_n/n)
+    # c = 2 zeta sqrt(m k_n) with k_n = 1.5 F_n/n; tsuji: c = alpha sqrt(m F_n/n)
+    alpha = 2 * s.damping * math.sqrt(1.5)
     free = s.friction > 0 and s.viscous_limit > 1
     most = s.max_steps or int(4e6 * max(1, height / 75) * max(1, math.pow(s.pressure / 1e-4, -0.3)))
     return Deck(s.dim, s.grains, (s.width, s.depth), height, p, s.friction, 2.0 / 3.0, ratio if s.friction > 0 else 0.0,
@@ -181,12 +184,14 @@ def _springs(d: Deck, factor: float) -> str:
     if not d.friction > 0:
         return text + " tangential linear_nohistory 0 0 damping tsuji limit_damping"
     damping = 0.0 if d.free_viscosity else d.tangential_damping
-    return f"{text} tangential mindlin/force {n(factor * d.kt)} {n(damping)} {n(d.friction)} damping tsuji limit_damping"
+    law = f"tangential mindlin/force {n(factor * d.kt)} {n(damping)} {n(d.friction)}"
+    return f"{text} {law} damping tsuji limit_damping"
 
 
 def _viscosity(d: Deck, factor: float) -> str:
     """Tangential viscosity alone, of springs without weight."""
-    return f"hertz {n(factor * (_WEAK * 2.0 / 3.0))} {n(0.1)} tangential linear_nohistory {n(d.weak_damping)} 1e15 damping tsuji"
+    normal = f"hertz {n(factor * (_WEAK * 2.0 / 3.0))} {n(0.1)}"
+    return f"{normal} tangential linear_nohistory {n(d.weak_damping)} 1e15 damping tsuji"
 
 
 def _script(d: Deck) -> str:
@@ -195,14 +200,17 @@ def _script(d: Deck) -> str:
     along = "0 {} 0" if flat else "0 0 {}"
     numbers = {"p": d.pressure, "step": d.step, "calm": d.calm, "rest": d.rest, "drag": d.drag, "piston": d.piston_mass}
     words = {
-        "grains": d.grains, "dim": d.dim, "version": __version__, "input": INPUT, "gas": GAS, "most": d.steps, "skin": n(d.skin),
+        "grains": d.grains, "dim": d.dim, "version": __version__, "input": INPUT, "gas": GAS, "most": d.steps,
+        "skin": n(d.skin),
         "numbers": "".join(f"variable    {name:<10} equal {n(value)}\n" for name, value in numbers.items()),
         "boundary": "p f p" if flat else "p p f", "processors": "* 1 1" if flat else "* * 1",
-        "law": _springs(d, 1), "wall": _springs(d, 2), "viscous": _VISCOUS.format(_viscosity(d, 1), _viscosity(d, 2)) if twice
+        "law": _springs(d, 1), "wall": _springs(d, 2), "viscous": _VISCOUS.format(_viscosity(d, 1), _viscosity(d, 2))
+        if twice
         else "pair_style  granular\npair_coeff  * * ${law}\n", "up": up, "column": column,
         "move": "NULL v_top NULL" if flat else "NULL NULL v_top", "plane": "0 0 0 0 -1 0" if flat else "0 0 0 0 0 -1",
         "second": _SECOND.format(up=up, column=column) if twice else "", "area": "" if flat else "*ly",
-        "twice": "-c_roof_v" if twice else "", "push": along.format("v_push"), "flat": "fix         flat all enforce2d\n" if flat
+        "twice": "-c_roof_v" if twice else "", "push": along.format("v_push"), "flat": "fix         flat all "
+                                                                                       "enforce2d\n" if flat
         else "", "spin": _SPIN if turns else "", "turn": _TURN if turns else "", "turns": "+c_turn" if turns else "",
         "drag": along.format("v_drag_p"), "tangent": "p13 p14 p15" if twice else "p1 p2 p3", "file_grains": GRAINS,
         "file_contacts": CONTACTS, "result": RESULT}
@@ -231,12 +239,16 @@ _TURN = """\
 variable    turn atom 2.5*sqrt(c_spin[2]^2+c_spin[3]^2+c_spin[4]^2)/(mass*c_spin[1])
 compute     turn grain reduce max v_turn
 """
-# The second run continues the first without a setup, in which wall/gran/region of 29 Sep 2021 forgets how the wall moves. The
-# drag acts on every third step, so that the largest acceleration is free of it on most of the steps that look for rest. A
-# piston on its way down is not at rest, however heavy it is. Forces are dumped without their viscous parts; of two laws, the
+# The second run continues the first without a setup, in which wall/gran/region of 29 Sep 2021 forgets how the wall
+# moves. The
+# drag acts on every third step, so that the largest acceleration is free of it on most of the steps that look for rest.
+# A
+# piston on its way down is not at rest, however heavy it is. Forces are dumped without their viscous parts; of two
+# laws, the
 # numbers of the second follow the twelve of the first.
 _TEMPLATE = """\
-# <grains> grains in <dim> dimensions, compressed by a piston: written by sonopack <version> for LAMMPS of 29 Sep 2021 or later
+# <grains> grains in <dim> dimensions, compressed by a piston: written by sonopack <version> for LAMMPS of 29 Sep \
+2021 or later
 # with its package GRANULAR. Lengths in mean diameters, density and E* of the grains 1.
 #   lmp -nocite -in <input>          or      mpirun -n N lmp -nocite -in <input>
 <numbers>variable    most       equal <most>

@@ -62,7 +62,8 @@ def _check(a: argparse.Namespace) -> None:
     if a.prepare and a.output:
         raise usage("--prepare: makes no packing, -o is not for it but for --collect")
     if a.collect and (a.scene or a.set or a.seed is not None):
-        raise usage(f"--collect: takes the scene and the seed of --prepare from {a.collect}/{deck.SCENE}: no others may be given")
+        raise usage(f"--collect: takes the scene and the seed of --prepare from {a.collect}/{deck.SCENE}: no others "
+                    f"may be given")
     if a.dry_run:
         raise usage("--dry-run: what LAMMPS will take is not known, --engine must be sonopack")
     if not a.output and not a.prepare:
@@ -100,7 +101,8 @@ def run(a: argparse.Namespace) -> int:
         note(a, f"warning: the box will be about {height:.1f} d high, less than 6: sound has no room between the walls")
     if a.prepare:
         _prepare(a, spec, struct, pathlib.Path(a.prepare))
-        note(a, f"{a.prepare}: run `lmp -nocite -in {deck.INPUT}' there (mpirun -n N before it), then `sonopack pack --engine "
+        note(a, f"{a.prepare}: run `lmp -nocite -in {deck.INPUT}' there (mpirun -n N before it), then `sonopack pack "
+                f"--engine "
                 f"lammps --collect {a.prepare}'")
         return 0
     folder = pathlib.Path(a.collect or f"{a.output}.lammps")
@@ -131,7 +133,8 @@ def _prepare(a: argparse.Namespace, spec: Any, struct: Any, folder: pathlib.Path
         raise Failed(f"{folder}: must be a folder, for the files of LAMMPS")
     if any(os.path.lexists(folder / name) for name in deck.FILES):
         if not a.force:
-            raise Failed(f"{folder}: has the files of a run of LAMMPS: --collect {folder} reads them, --force replaces them")
+            raise Failed(f"{folder}: has the files of a run of LAMMPS: --collect {folder} reads them, --force replaces "
+                         f"them")
         _remove(folder)
     folder.mkdir(exist_ok=True)
     chars = lib.sp_scene_text(struct, ffi.NULL)
@@ -196,8 +199,8 @@ def _begin() -> None:
 
 
 def _execute(words: list[str], folder: pathlib.Path, stop: _Stop, say: Callable[[str, float, float], None]) -> float:
-    """Runs LAMMPS on the files of the folder; returns its CPU time. However this ends, no process is left, and the files
-    are."""
+    """Runs LAMMPS on the files of the folder; returns its CPU time. However this ends, no process is left, and the
+    files are."""
     for name in deck.FILES[deck.FILES.index(deck.WORDS):]:
         (folder / name).unlink(missing_ok=True)  # what an earlier run has left
     with open(folder / deck.WORDS, "wb") as printed:
@@ -240,8 +243,10 @@ class _Log:
     """What the log tells so far: version, fault, and the last row of thermodynamic output."""
 
     def __init__(self, folder: pathlib.Path) -> None:
-        begin, end, printed = (_part(folder, deck.LOG, False), _part(folder, deck.LOG, True), _part(folder, deck.WORDS, True))
-        version = re.search(r"LAMMPS \(([^)\n]*)", begin) or re.search(r"LAMMPS \(([^)\n]*)", _part(folder, deck.WORDS, False))
+        begin, end, printed = (_part(folder, deck.LOG, False), _part(folder, deck.LOG, True),
+                               _part(folder, deck.WORDS, True))
+        version = re.search(r"LAMMPS \(([^)\n]*)", begin) or re.search(r"LAMMPS \(([^)\n]*)",
+                                                                       _part(folder, deck.WORDS, False))
         fault = re.search(r"^ERROR.*", printed, re.M) or re.search(r"^ERROR.*", end, re.M)
         self.version, self.fault = version.group(1)[:199] if version else "", fault.group(0)[:199] if fault else ""
         rows = re.findall(r"^ *(\d{1,18}) +(\S+) +(\S+) *\n", end, re.M)
@@ -273,11 +278,13 @@ def _part(folder: pathlib.Path, name: str, end: bool) -> str:
 def _fail(program: str, folder: pathlib.Path, status: int) -> None:
     """Says why LAMMPS failed."""
     log = _Log(folder)
-    how = f"was killed by signal {-status} ({signal.strsignal(-status)})" if status < 0 else f"ended with status {status}"
+    killed = f"was killed by signal {-status} ({signal.strsignal(-status)})" if status < 0 else ""
+    how = killed or f"ended with status {status}"
     text = f"{program} {how} after {max(log.steps, 0)} steps: {log.fault or f'it gives no reason, see {deck.WORDS}'}"
     signs = ("granular", "Unknown", "Unrecognized", "Illegal", "Invalid")
     if any(sign in log.fault for sign in signs) or 0 < log.date() < _TESTED:
-        text += (f"; this is LAMMPS {log.version or 'of an unknown version'}, and what is needed is pair_style granular of LAMMPS "
+        text += (f"; this is LAMMPS {log.version or 'of an unknown version'}, and what is needed is pair_style "
+                 f"granular of LAMMPS "
                  "of 29 Sep 2021 or later, with its package GRANULAR")
     raise Failed(text)
 
@@ -320,20 +327,23 @@ def _read_result(folder: pathlib.Path, pressure: float) -> tuple[int, float]:
     if not path.exists():
         raise bad_file(f"{path}: is missing or cannot be read: LAMMPS did not come to its end")
     number = r"([-+]?\d[\d.]*(?:[eE][-+]?\d+)?)"
-    found = re.match(rf"steps (\d{{1,18}}) acceleration {number} top {number}\n", path.read_bytes().decode(errors="replace"))
+    found = re.match(rf"steps (\d{{1,18}}) acceleration {number} top {number}\n",
+                     path.read_bytes().decode(errors="replace"))
     if not found or not all(math.isfinite(float(word)) for word in found.groups()) or int(found.group(1)) == 0:
-        raise bad_file(f"{path}: must be a line of steps, acceleration and top, all finite: is it cut, is the disk full?")
+        raise bad_file(f"{path}: must be a line of steps, acceleration and top, all finite: is it cut, is the disk "
+                       f"full?")
     steps, acceleration, top = int(found.group(1)), float(found.group(2)), float(found.group(3))
     if acceleration > _MOVING * pressure:
-        raise Failed(f"LAMMPS: not at rest after {steps} steps: the largest acceleration is {acceleration:.3g}, must be below "
+        raise Failed(f"LAMMPS: not at rest after {steps} steps: the largest acceleration is {acceleration:.3g}, must "
+                     f"be below "
                      f"{_MOVING * pressure:.3g} (packing.max_steps allows more steps)")
     return steps, top
 
 
 def _collect(a: argparse.Namespace, given: Any, folder: pathlib.Path, stop: _Stop,
              say: Callable[[str, float, float], None]) -> tuple[int, str, Packing]:
-    """Reads what LAMMPS has left in the folder, with the tangential forces, and brings it to rest under the pressure of the
-    spec."""
+    """Reads what LAMMPS has left in the folder, with the tangential forces, and brings it to rest under the pressure of
+    the spec."""
     deck.check(ffi.addressof(given))
     s = lib.sp_pack_spec_resolve(ffi.addressof(given))
     steps, top = _read_result(folder, deck.pressure_of(s))
@@ -353,26 +363,29 @@ def _collect(a: argparse.Namespace, given: Any, folder: pathlib.Path, stop: _Sto
 
 
 def _check_grains(raw: Packing, s: Any, top: float) -> None:
-    """The grains must be those of the spec; LAMMPS leaves out grains that leave the box. And the upper wall must rest on
-    them: from a height that a file has made up it would fall for ever."""
+    """The grains must be those of the spec; LAMMPS leaves out grains that leave the box. And the upper wall must rest
+    on them: from a height that a file has made up it would fall for ever."""
     if raw.n != s.grains:
         raise bad_file(f"{deck.GRAINS}: {raw.n} grains, must be {s.grains} of the scene")
     r = deck.radii(s)
     other = np.flatnonzero(~(np.abs(r - raw.r) <= 1e-14 * r))
     if len(other):
         k = int(other[0])
-        raise bad_file(f"{deck.GRAINS}: grain {k} has the diameter {2 * raw.r[k]:.17g}, must have {2 * r[k]:.17g}: is this of "
+        raise bad_file(f"{deck.GRAINS}: grain {k} has the diameter {2 * raw.r[k]:.17g}, must have {2 * r[k]:.17g}: is "
+                       f"this of "
                        "another scene or seed?")
     highest = float((raw.x[:, s.dim - 1] + raw.r).max())
     if not abs(highest - top) <= 0.1:
         raise bad_file(f"{deck.RESULT}: top {top:g}, but the grains reach up to {highest:g}")
 
 
-def _come_to_rest(raw: Packing, given: Any, threads: int, stop: _Stop, say: Callable[[str, float, float], None]) -> Packing:
+def _come_to_rest(raw: Packing, given: Any, threads: int, stop: _Stop,
+                  say: Callable[[str, float, float], None]) -> Packing:
     s = ffi.new("sp_pack_spec *", given)
     usual = lib.sp_pack_spec_default()
     s.kind = lib.SP_PACK_FILE
-    for name in ("dim", "grains", "width", "depth", "sizes", "diameter_min", "diameter_max", "large_fraction", "size_spread"):
+    for name in ("dim", "grains", "width", "depth", "sizes", "diameter_min", "diameter_max", "large_fraction",
+                 "size_spread"):
         setattr(s, name, getattr(usual, name))  # what the grains are follows from the packing
     s.diameters, s.diameter_count, s.content, s.max_steps = ffi.NULL, 0, 0, 0
     call(lib.sp_pack_spec_from, s, raw._c)
@@ -398,4 +411,5 @@ def _summarise(a: argparse.Namespace, p: Packing, threshold: float) -> None:
     units = {"height": "d", "p": "E*", "residual": "E* / (rho d)", "seconds": "s"}
     printed = copy.copy(a)
     printed.output = None
-    write_table(printed, Table.from_columns({name: np.array(value) for name, value in columns.items()}, units), p.material)
+    write_table(printed, Table.from_columns({name: np.array(value) for name, value in columns.items()}, units),
+                p.material)

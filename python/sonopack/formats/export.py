@@ -37,7 +37,8 @@ class Units:
         if m is None:
             return cls()
         d, stress = m.diameter, modulus(m)
-        return cls(d, m.density * d * d * d, m.density, stress * d * d, stress, stress * d, ("m", "kg", "N", "Pa", "N/m"), "SI")
+        return cls(d, m.density * d * d * d, m.density, stress * d * d, stress, stress * d,
+                   ("m", "kg", "N", "Pa", "N/m"), "SI")
 
 
 def number_text(value: float) -> str:
@@ -115,7 +116,8 @@ class Export:
         for a in range(3):
             branch = signs * p.r[ends] * np.repeat(n[:, a], 2)[grains]
             for b in range(3):
-                out[:, 3 * a + b] = np.bincount(ends, -(branch * (signs * np.repeat(force[:, b], 2)[grains]) / volume), p.n)
+                out[:, 3 * a + b] = np.bincount(ends, -(branch * (signs * np.repeat(force[:, b], 2)[grains]) / volume),
+                                                p.n)
         return out + 0.0
 
     def periodic(self, axis: int) -> bool:
@@ -131,8 +133,8 @@ class Export:
         return names, columns
 
     def ends(self) -> tuple[Floats, np.ndarray]:  # type: ignore[type-arg]
-        """Where the lines of contacts end: at the centre of the image of j that touches i, or at the point on the wall. And
-        whether they cross a periodic edge."""
+        """Where the lines of contacts end: at the centre of the image of j that touches i, or at the point on the wall.
+        And whether they cross a periodic edge."""
         p, pairs = self.packing, self.j >= 0
         j = np.maximum(self.j, 0)
         reach = self.r[self.i] - self.overlap
@@ -180,8 +182,10 @@ def contact_columns(e: Export) -> dict[str, tuple[Any, str]]:
     """The same of contacts."""
     length, _, force, _, stiffness = e.units.names
     dim = e.packing.dim
-    return {"i": (e.i, ""), "j": (e.j, ""), **_axes("n", e.n, dim, ""), "overlap": (e.overlap, length), "Fn": (e.fn, force),
-            **_axes("Ft", e.ft, dim, force), "kn": (e.kn, stiffness), "kt": (e.kt, stiffness), "carrying": (e.carrying, "")}
+    return {"i": (e.i, ""), "j": (e.j, ""), **_axes("n", e.n, dim, ""), "overlap": (e.overlap, length),
+            "Fn": (e.fn, force),
+            **_axes("Ft", e.ft, dim, force), "kn": (e.kn, stiffness), "kt": (e.kt, stiffness),
+            "carrying": (e.carrying, "")}
 
 
 def table_of_grains(e: Export) -> Table:

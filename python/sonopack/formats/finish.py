@@ -44,7 +44,8 @@ def _build(w: Work, x: Floats, mass: Floats | None, inertia: Floats | None, pres
     links.n, links.ft = links.n + 0.0, links.ft + 0.0 if w.friction > 0 else links.ft * 0 + 0.0
     try:
         return Packing.from_arrays(
-            x[:, :w.dim], w.r, tangents(links, w.dim).table(), box=w.edge[:w.dim], pressure=pressure, friction=w.friction,
+            x[:, :w.dim], w.r, tangents(links, w.dim).table(), box=w.edge[:w.dim], pressure=pressure,
+            friction=w.friction,
             poisson=w.poisson, wall=w.wall, mass=mass, inertia=inertia, material=w.material, cell=w.cell, tilt=w.tilt,
             gravity=w.gravity)
     except InvalidInput as fault:
@@ -74,7 +75,8 @@ def _wrap(w: Work) -> Floats:
 
 def _wrap_periods(w: Work, x: Floats) -> Floats:
     """Moves points into the cell."""
-    vectors = [np.array([w.edge[0], 0, 0]), np.array([w.tilt[0], w.edge[1], 0]), np.array([w.tilt[1], w.tilt[2], w.edge[2]])]
+    vectors = [np.array([w.edge[0], 0, 0]), np.array([w.tilt[0], w.edge[1], 0]),
+               np.array([w.tilt[1], w.tilt[2], w.edge[2]])]
     for a in reversed(range(w.dim)):
         x = x - np.floor(fractions(w, x)[a])[:, None] * vectors[a]
         x = x - (fractions(w, x)[a] >= 1)[:, None] * vectors[a]  # a tiny negative coordinate rounds to the far end
@@ -101,7 +103,8 @@ def _fail_outside(w: Work, outside: np.ndarray) -> None:  # type: ignore[type-ar
     pressed = "is this packing under pressure? If so, " if sum(touching) <= 2 else ""
     w.grains.fail(int(w.row[k]), w.roles.need(w.grains, w.name_of(axis))[0],
                   f"between the walls, which are taken to be at {low:.8g} and {high:.8g}. Outside of them are "
-                  f"{int((outside == axis).sum())} of {w.n} grains, and {touching[0]} touch the {names[0]} wall, {touching[1]} "
+                  f"{int((outside == axis).sum())} of {w.n} grains, and {touching[0]} touch the {names[0]} wall, "
+                  f"{touching[1]} "
                   f"the {names[1]}: {pressed}give --set {names[0]}= and {names[1]}=, or --types")
 
 
@@ -131,7 +134,8 @@ def not_usual(r: Floats, mass: Floats, inertia: Floats) -> tuple[Floats | None, 
     return (None, None) if spheres else (mass, inertia)
 
 
-def usual_stiffness(r: Floats, links: Links, wall: str, friction: float, poisson: float) -> np.ndarray:  # type: ignore[type-arg]
+# type: ignore[type-arg]
+def usual_stiffness(r: Floats, links: Links, wall: str, friction: float, poisson: float) -> np.ndarray:
     """Which stiffnesses are those of Hertzian spheres anyway, as in our own files, and say nothing new."""
     with np.errstate(invalid="ignore"):
         kn = 2.0 * stiffness_of(r, links, wall) * np.sqrt(links.overlap)
@@ -141,7 +145,8 @@ def usual_stiffness(r: Floats, links: Links, wall: str, friction: float, poisson
 
 
 def tangents(links: Links, dim: int) -> Links:
-    """In two dimensions tangential forces are Ft (-ny, nx), with a number Ft that our tables give back with all bits."""
+    """In two dimensions tangential forces are Ft (-ny, nx), with a number Ft that our tables give back with all
+    bits."""
     if dim != 2:
         return links
     n, scalar = links.n, _tangent(links.n, links.ft)
@@ -185,7 +190,8 @@ def _given_pressure(w: Work) -> float:
 
 def _checked(w: Work, pressure: float) -> float:
     if not pressure > 0:
-        raise bad_option(f": there is no force on the walls and none between grains ({len(w.links)} contacts); must be given: "
+        raise bad_option(f": there is no force on the walls and none between grains ({len(w.links)} contacts); must be "
+                         f"given: "
                          "--set pressure=P", "pressure")
     return pressure
 
@@ -213,10 +219,12 @@ def _piston_pressure(w: Work, links: Links, mass: Floats | None) -> float:
     pressure = given if math.isfinite(given) else walls if known else _stress(w, links)
     _checked(w, pressure)
     if not math.isfinite(given) and not known:
-        w.note(f"no contact with a wall: the pressure {w.pressure_text(pressure)} is the stress along {w.name_of(up)} from the "
+        w.note(f"no contact with a wall: the pressure {w.pressure_text(pressure)} is the stress along {w.name_of(up)} "
+               f"from the "
                "contacts")
     if abs(low / high - 1) > 1e-3:
-        w.note(f"the pressures on the walls differ: {w.pressure_text(low)} below, {w.pressure_text(high)} above (weight, motion, "
+        w.note(f"the pressures on the walls differ: {w.pressure_text(low)} below, {w.pressure_text(high)} above "
+               f"(weight, motion, "
                "or contacts missing)")
     if math.isfinite(given) and abs(walls / given - 1) > 1e-2:
         w.note(f"the pressure on the walls is {w.pressure_text(walls)}, not the given {w.pressure_text(given)}")
@@ -261,16 +269,19 @@ def _check_balance(w: Work, p: Packing) -> None:
     none = bool((p.rattlers() != 0).all())
     w.report.balance = now / mean if mean > 0 and not none else NAN
     if none:
-        w.note(f"all grains are rattlers: no balance of forces can be told{'' if w.friction > 0 else ' (friction = 0)'}")
+        why = "" if w.friction > 0 else " (friction = 0)"
+        w.note(f"all grains are rattlers: no balance of forces can be told{why}")
     elif now > mean and not w.has_ft and w.friction > 0:
         w.note("forces do not balance, perhaps because the tangential forces are missing")
     elif now > mean:
         w.note("forces do not balance: is the file cut short, or are periods, units or signs wrong?")
     if turned_squares < 0.25 * squares:
-        w.note(f"with the other sign of the tangential forces the grains balance better ({turned / mean:.2g} of the mean "
+        w.note(f"with the other sign of the tangential forces the grains balance better ({turned / mean:.2g} of the "
+               f"mean "
                "force): --columns ft_x=-COLUMN,... (or ft=-COLUMN) turns them")
     elif now < 1e-3 * torque:
-        w.note(f"torques over R balance within {torque / mean:.2g} of the mean force only: tangential forces act at the distance "
+        w.note(f"torques over R balance within {torque / mean:.2g} of the mean force only: tangential forces act at "
+               f"the distance "
                "R here, at R - overlap/2 in LAMMPS and LIGGGHTS")
 
 
@@ -282,7 +293,8 @@ def _remark_missing(w: Work) -> None:
         return
     pairs, listed = touch.count(w), int(((w.links.j >= 0) & (w.links.depth > 0)).sum())
     if pairs - listed > pairs // 10:
-        raise bad_file(f"{w.contacts.file}: lists {listed} of the {pairs} pairs that overlap; must list all: is it cut short, or "
+        raise bad_file(f"{w.contacts.file}: lists {listed} of the {pairs} pairs that overlap; must list all: is it cut "
+                       f"short, or "
                        "are the periods wrong?")
     if pairs > listed:
         w.note(f"{pairs - listed} pairs overlap and are not listed as contacts")
@@ -295,7 +307,8 @@ def _remark_friction(w: Work, pressure: float) -> None:
         return
     excess = float((length(links.ft[pressed]) / (w.friction * links.fn[pressed])).max())
     if excess > 1 + 1e-6:
-        w.note(f"a tangential force is {excess:.4g} times friction times the normal force: is friction = {w.friction:g} right?")
+        w.note(f"a tangential force is {excess:.4g} times friction times the normal force: is friction = "
+               f"{w.friction:g} right?")
 
 
 def _remark_walls(w: Work) -> None:
@@ -311,7 +324,8 @@ def _remark_walls(w: Work) -> None:
 def rest(w: Work, p: Packing) -> Packing:
     """Brings the packing to rest under its pressure, between rigid walls."""
     if p.cell != "piston" or p.gravity != 0:
-        raise refused(f"{w.path}, --rest: grains come to rest under a piston without gravity only; read this cell without "
+        raise refused(f"{w.path}, --rest: grains come to rest under a piston without gravity only; read this cell "
+                      f"without "
                       "--rest, and pack it with packing.kind = \"file\"")
     if p.wall != "rigid":
         w.note("the walls become rigid, since grains come to rest between such walls only")
@@ -325,7 +339,8 @@ def rest(w: Work, p: Packing) -> Packing:
     heights = [w.length_text(packing.height) for packing in (p, rested)]
     loads = [2.0 * audit.carrying / max(1, packing.n - audit.rattlers) for packing in (start, rested)
              for audit in (packing.audit(),)]
-    w.note(f"at rest under p = {w.pressure_text(p.pressure)} between rigid walls: height {heights[0]} -> {heights[1]}, contacts "
+    w.note(f"at rest under p = {w.pressure_text(p.pressure)} between rigid walls: height {heights[0]} -> {heights[1]}, "
+           f"contacts "
            f"per carrying grain {loads[0]:.3g} -> {loads[1]:.3g}")
     w.report.contacts, w.report.wall_contacts = len(rested.contacts), int((rested.contacts["j"] < 0).sum())
     return rested
@@ -333,7 +348,8 @@ def rest(w: Work, p: Packing) -> Packing:
 
 def _at_rest(w: Work, start: Packing) -> Packing:
     spec = ffi.new("sp_pack_spec *", lib.sp_pack_spec_default())
-    spec.kind, spec.pressure, spec.friction, spec.poisson = lib.SP_PACK_FILE, start.pressure, start.friction, start.poisson
+    spec.kind, spec.pressure = lib.SP_PACK_FILE, start.pressure
+    spec.friction, spec.poisson = start.friction, start.poisson
     hooks = ffi.new("sp_pack_hooks *", {"threads": w.o.threads})
     setattr(hooks, "from", start._c)
     out = _core.new("sp_packing", lib.sp_packing_free, lib.sp_packing_none)

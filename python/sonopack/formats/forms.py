@@ -15,7 +15,8 @@ COMPLETE = ("ours", "vtp", "mat")
 Reader = Callable[[str, "int | None"], Sheet]
 _READERS: dict[str, Reader] = {
     "lammps-data": lammps.read_data, "lammps-dump": lammps.read_dump, "liggghts": lammps.read_dump,
-    "yade": table.read_yade, "mercury": mercury.read_grains, "xyz": xyz.read, "csv": table.read, "photoelastic": table.read}
+    "yade": table.read_yade, "mercury": mercury.read_grains, "xyz": xyz.read, "csv": table.read,
+    "photoelastic": table.read}
 
 
 def form_of(path: str) -> str:
@@ -35,7 +36,8 @@ def form_of(path: str) -> str:
 def _form_of_lines(all_lines: list[str]) -> str:
     """The form by the first lines."""
     lines = [line for line in all_lines if line.strip(" \t")]
-    if lines and lines[0] == all_lines[0] and lines[0].startswith("#") and not lines[0].startswith(("#format", "# packing")):
+    if lines and lines[0] == all_lines[0] and lines[0].startswith("#") and not lines[0].startswith(("#format",
+        "# packing")):
         if len(lines) > 1 and " atoms" in lines[1]:  # the first line of LAMMPS data is a comment of any kind
             return "lammps-data"
     while lines and lines[0].startswith("#") and not lines[0].startswith("#format"):
@@ -76,7 +78,8 @@ def read(path: str, form: str, frame: int | None = None) -> Sheet:
 
 
 def read_contacts(path: str, form: str, frame: int | None = None) -> Sheet:
-    """Contacts are in a dump or a table, whatever the form of the grains; those of MercuryDPM in a form of their own."""
+    """Contacts are in a dump or a table, whatever the form of the grains; those of MercuryDPM in a form of their
+    own."""
     if form == "mercury":
         return mercury.read_contacts(path, frame)
     return lammps.read_dump(path, frame) if form_of(path) == "lammps-dump" else table.read(path, frame)

@@ -1,4 +1,5 @@
-"""Takes the grains out of the rows of their file: types, ids, positions, radii, masses; finds the axes; turns the units."""
+"""Takes the grains out of the rows of their file: types, ids, positions, radii, masses; finds the axes; turns the
+units."""
 from __future__ import annotations
 
 import dataclasses
@@ -75,7 +76,8 @@ def _read_positions(w: Work) -> None:
 def _shear(w: Work, scaled: list[bool]) -> None:
     """In a tilted box the fractions along y and z move a grain along x too, those along z also along y."""
     sheet, (xy, xz, yz) = w.grains, w.grains.tilt
-    y, z = ((w.x[:, a] - sheet.low[a]) / (sheet.high[a] - sheet.low[a]) if scaled[a] else np.zeros(len(w.x)) for a in (1, 2))
+    y, z = ((w.x[:, a] - sheet.low[a]) / (sheet.high[a] - sheet.low[a]) if scaled[a] else np.zeros(len(w.x))
+            for a in (1, 2))
     w.x[:, 0] += xy * y + xz * z
     w.x[:, 1] += yz * z
 
@@ -87,7 +89,8 @@ def _choose_axes(w: Work) -> None:
     out = -1 if w.dim == 3 else flat[0] if len(flat) == 1 else 2  # the axis that a layer does not have
     up = "xyz".index(w.o.keys["up"]) if "up" in w.o.keys else 2 if w.dim == 3 else 1 if out == 2 else 2
     if w.dim == 2 and not flat:
-        raise bad_option(f"{w.path}: dimension = 2, but the grains do not lie in one plane; must be 3, or a file of one layer")
+        raise bad_option(f"{w.path}: dimension = 2, but the grains do not lie in one plane; must be 3, or a file of "
+                         f"one layer")
     if up == out:
         raise bad_option(f"up = {'xyz'[up]}: the grains lie in a plane normal to it; must be one of the others")
     w.axis = [a for a in range(3) if a not in (up, out)] + [up]
@@ -109,7 +112,8 @@ def _read_sizes(w: Work) -> None:
 
 def _read_masses(w: Work) -> None:
     sheet = w.grains
-    mass, inertia, density, boundary = (w.roles.find(sheet, role) for role in ("mass", "inertia", "density", "boundary"))
+    mass, inertia, density, boundary = (w.roles.find(sheet, role)
+                                        for role in ("mass", "inertia", "density", "boundary"))
     if (mass or density) and not w.o.is_on("digits", "exact"):
         w.mass_place = math.pow(10, 1 - min(sheet.digits([(mass or density)[0]])[0], 17))  # type: ignore[index]
     w.mass, w.inertia = w.column(sheet, mass, w.row), w.column(sheet, inertia, w.row)
@@ -168,7 +172,11 @@ def _check_diameter(w: Work, mean: float) -> None:
     if 0.2 <= mean <= 5:
         return
     if w.o.material is None:
-        raise bad_option(f"{w.path}: the mean diameter is {mean:.4g}; must be 0.2 .. 5, since lengths are in mean diameters, "
-                         "or the file's units must be given: --material E=...,nu=...,rho=... for metres, pascals and kg/m^3")
-    raise bad_option(f"{w.path}: the mean diameter is {mean:.4g} times the material's d = {w.material.diameter:g}; must be "  # type: ignore[union-attr]
+        raise bad_option(f"{w.path}: the mean diameter is {mean:.4g}; must be 0.2 .. 5, since lengths are in mean "
+                         f"diameters, "
+                         "or the file's units must be given: --material E=...,nu=...,rho=... for metres, pascals and "
+                         "kg/m^3")
+    # type: ignore[union-attr]
+    raise bad_option(f"{w.path}: the mean diameter is {mean:.4g} times the material's d = {w.material.diameter:g}; "
+                     f"must be "
                      "0.2 .. 5: give no d for the file's mean, or correct --length-unit")

@@ -28,7 +28,8 @@ def read_data(path: str, frame: int | None = None) -> Sheet:
             if style and style[0] != "sphere":
                 at.fail(f"atom style {style[0]}; must be sphere, whose rows have a diameter and a density")
             cells = (at.copy().words() or "").partition("#")[0].split()
-            sheet.names = ["id", "type", "diameter", "density", "x", "y", "z", *(("ix", "iy", "iz") if len(cells) == 10 else ())]
+            sheet.names = ["id", "type", "diameter", "density", "x", "y", "z",
+                           *(("ix", "iy", "iz") if len(cells) == 10 else ())]
             return sheet.read(at, atoms, "atoms")
         atoms = _header_line(sheet, at, line) or atoms
     at.fail("the file ends without a section 'Atoms # sphere'")
@@ -147,7 +148,8 @@ def _read_bounds(sheet: Sheet, at: Cursor, words: list[str]) -> None:
         line = at.next() or ""
         found = numbers(line, 2 + tilted)
         if len(found) != 2 + tilted or not found[1] > found[0]:
-            at.fail(f"'{line}'; must be two growing numbers{' and the tilt' if tilted else ''}, the box along {'xyz'[axis]}")
+            at.fail(f"'{line}'; must be two growing numbers{' and the tilt' if tilted else ''}, the box along "
+                    f"{'xyz'[axis]}")
         sheet.box[axis], sheet.low[axis], sheet.high[axis] = True, found[0], found[1]
         sheet.tilt[axis] = found[2] if tilted else 0.0
     if tilted:
@@ -199,7 +201,8 @@ def write_dump(e: Export) -> bytes:
     tilted, bounds = any(e.packing.tilt), _bounds(e)
     if tilted:
         out = _around(list(e.tilt))
-        bounds = [(bounds[a][0] + out[a][0], bounds[a][1] + out[a][1], bounds[a][2]) if a < 2 else bounds[a] for a in range(3)]
+        bounds = [(bounds[a][0] + out[a][0], bounds[a][1] + out[a][1], bounds[a][2]) if a < 2 else bounds[a]
+                  for a in range(3)]
     head = (f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{e.packing.n}\nITEM: BOX BOUNDS{' xy xz yz' if tilted else ''} "
             + " ".join("pp" if periodic else "ff" for _, _, periodic in bounds) + "\n")
     for axis, (low, high, _) in enumerate(bounds):

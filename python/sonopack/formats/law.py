@@ -1,5 +1,5 @@
-"""Completes contacts: overlaps from forces or forces from overlaps, whichever the file gives more exactly, and checks one
-against the other where both are given."""
+"""Completes contacts: overlaps from forces or forces from overlaps, whichever the file gives more exactly, and checks
+one against the other where both are given."""
 from __future__ import annotations
 
 import dataclasses
@@ -125,7 +125,8 @@ def _compare(w: Work, at_walls: bool, wall: str) -> _Comparison:
     links = w.links
     mean = running_sum(np.where(np.isnan(links.fn), 0, links.fn / max(1, len(links))))
     overlap = links.known_overlap()
-    taken = ((links.j < 0) == at_walls) & (links.fn > 0.01 * mean) & ~np.isnan(overlap) & (np.abs(overlap) > 1000 * w.place)
+    known = ~np.isnan(overlap) & (np.abs(overlap) > 1000 * w.place)
+    taken = ((links.j < 0) == at_walls) & (links.fn > 0.01 * mean) & known
     if not taken.any():
         return _Comparison()
     e, overlap = stiffness_of(w.r, links, wall)[taken], overlap[taken]
@@ -141,9 +142,11 @@ def _check_grains(w: Work) -> None:
     if c.count == 0 or c.fits():
         return
     if c.spread <= 1e-3:
-        raise refused(f"{w.path}: all normal forces are {c.median:.6g} times Hertz's at the overlaps; must be 1: E or the unit "
+        raise refused(f"{w.path}: all normal forces are {c.median:.6g} times Hertz's at the overlaps; must be 1: E or "
+                      f"the unit "
                       "of forces is wrong by this factor (--material E=..., --force-unit)")
-    raise refused(f"{w.path}: normal forces are {c.low:.4g} .. {c.high:.4g} times Hertz's at the overlaps; must be 1: are E, "
+    raise refused(f"{w.path}: normal forces are {c.low:.4g} .. {c.high:.4g} times Hertz's at the overlaps; must be 1: "
+                  f"are E, "
                   "radii and units right? For another contact law give stiffnesses, --kn or columns kn kt")
 
 
@@ -152,8 +155,10 @@ def _fail_digits(w: Work, mean: float) -> None:
     largest = float(np.abs(w.x[:, :w.dim]).max())
     digits = min(17, math.ceil(math.log10(largest / (1e-3 * mean))) + 1)
     own = w.grains.digits([w.roles.need(w.grains, "x")[0]])[0]
-    raise refused(f"{w.path}: positions have {own} digits, which makes overlaps of {mean:.3g} d wrong by {w.place:.3g} d; "
-                  f"{digits} digits are needed (LAMMPS: dump_modify ID format float %.17g), or contacts with their forces; "
+    raise refused(f"{w.path}: positions have {own} digits, which makes overlaps of {mean:.3g} d wrong by {w.place:.3g} "
+                  f"d; "
+                  f"{digits} digits are needed (LAMMPS: dump_modify ID format float %.17g), or contacts with their "
+                  f"forces; "
                   "--set digits=exact if the numbers are exact")
 
 
@@ -163,7 +168,8 @@ def _usual_wall(w: Work) -> str:
     """The kind of wall that the program of this form has."""
     if w.o.given("wall"):
         return str(w.o.keys["wall"])
-    return {"lammps-data": "elastic", "lammps-dump": "elastic", "liggghts": "elastic", "yade": "grain"}.get(w.form, "rigid")
+    return {"lammps-data": "elastic", "lammps-dump": "elastic", "liggghts": "elastic", "yade": "grain"}.get(w.form,
+        "rigid")
 
 
 def _choose_wall(w: Work) -> None:
@@ -182,8 +188,10 @@ def _choose_wall(w: Work) -> None:
             return
     c = _compare(w, True, "elastic")
     if c.count > 0 and c.spread > 0.02:
-        raise refused(f"{w.path}: normal forces of walls are {c.low:.4g} .. {c.high:.4g} times Hertz's at the overlaps; must be "
-                      "one number: --set bottom=PLACE and top=PLACE correct the overlaps, --set wall=KIND takes them from the "
+        raise refused(f"{w.path}: normal forces of walls are {c.low:.4g} .. {c.high:.4g} times Hertz's at the "
+                      f"overlaps; must be "
+                      "one number: --set bottom=PLACE and top=PLACE correct the overlaps, --set wall=KIND takes them "
+                      "from the "
                       "forces")
     if c.count > 0:
         _keep_stiffness(w, c.median)
@@ -192,14 +200,15 @@ def _choose_wall(w: Work) -> None:
 
 
 def _keep_stiffness(w: Work, factor: float) -> None:
-    """Walls of none of our kinds whose forces follow Hertz's law with another modulus: each contact keeps its stiffness,
-    dF/d(overlap) = 3/2 F/overlap."""
+    """Walls of none of our kinds whose forces follow Hertz's law with another modulus: each contact keeps its
+    stiffness, dF/d(overlap) = 3/2 F/overlap."""
     links, overlap = w.links, w.links.known_overlap()
     own = (links.j < 0) & (overlap > 0) & (links.fn > 0)
     links.overlap = np.where(own, overlap, links.overlap)
     links.kn = np.where(own, 1.5 * links.fn / overlap, links.kn)
     links.kt = np.where(own, links.kn * eta(w.poisson), links.kt)
-    w.note(f"walls: {factor:.6g} times as stiff as elastic ones; contacts with them keep this stiffness, so that the packing is "
+    w.note(f"walls: {factor:.6g} times as stiff as elastic ones; contacts with them keep this stiffness, so that the "
+           f"packing is "
            "no longer Hertz's (--set wall=elastic makes it so)")
 
 
@@ -211,7 +220,8 @@ def _complete_springs(w: Work) -> None:
     bad = np.flatnonzero(~(links.kn > 0))
     if len(bad):
         k = int(bad[0])
-        raise bad_file(f"{w.path}: a contact of grain {w.id[links.i[k]]} has the stiffness {links.kn[k]:g}; must be positive: "
+        raise bad_file(f"{w.path}: a contact of grain {w.id[links.i[k]]} has the stiffness {links.kn[k]:g}; must be "
+                       f"positive: "
                        "--kn, or a column kn")
     ratio = eta(w.poisson) if math.isnan(o.kt_ratio) else o.kt_ratio
     links.kt = np.where(np.isnan(links.kt), links.kn * ratio, links.kt)

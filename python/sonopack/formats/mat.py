@@ -25,7 +25,8 @@ def write(e: Export) -> bytes:
     values: dict[str, Any] = {"dimension": float(p.dim), "box": np.array([e.box[:p.dim]])}
     if e.special:
         values |= {"cell": p.cell, "tilt": np.array([e.tilt]), "gravity": e.gravity}
-    values |= {"pressure": e.pressure, "friction": p.friction, "poisson": p.poisson, "wall": p.wall, "units": e.units.all}
+    values |= {"pressure": e.pressure, "friction": p.friction, "poisson": p.poisson, "wall": p.wall,
+               "units": e.units.all}
     if scene_of(p):
         values["scene"] = scene_of(p)
     for name, columns in (("grains", grains), ("contacts", contacts)):

@@ -1,4 +1,5 @@
-"""Displacements that convert writes beside the grains: of a mode, or at times after a pulse; computed, or read from files."""
+"""Displacements that convert writes beside the grains: of a mode, or at times after a pulse; computed, or read from
+files."""
 from __future__ import annotations
 
 import dataclasses
@@ -30,7 +31,8 @@ class Motion:
         u, turn = np.zeros((n, 3)), np.zeros((n, 3)) if net.dof > net.dim else None
         u[net.grain, :net.dim] = factor * self.u[:, :net.dim]
         if turn is not None:
-            turn[net.grain, 2 if net.dim == 2 else slice(0, 3)] = factor * (self.u[:, 2] if net.dim == 2 else self.u[:, 3:])
+            turn[net.grain, 2 if net.dim == 2 else slice(0, 3)] = factor * (self.u[:, 2] if net.dim == 2
+                                                                            else self.u[:, 3:])
         return u, turn
 
 
@@ -53,7 +55,8 @@ def find(packing: Packing, number: int | None, vectors: str | None) -> Motion:
 def after_pulse(packing: Packing, times: list[float], threads: int) -> list[Motion]:
     """The motion at times after a pulse of unit strength at the bottom wall."""
     if packing.cell == "periodic":
-        raise Failed("the cell is periodic and has no walls, between which the pulse of --times passes: `sonopack signal' sends "
+        raise Failed("the cell is periodic and has no walls, between which the pulse of --times passes: `sonopack "
+                     "signal' sends "
                      "pulses from plane to plane (--from plane:Y --detector plane:Z)")
     network = packing.network()
     return [Motion(network, u, False) for u in network.field(np.array(times), threads=threads)]
@@ -110,7 +113,8 @@ def _of_file(packing: Packing, number: int | None, path: str) -> Motion:
 # ---- tables ---------------------------------------------------------------------------------------------------------
 
 def _of_table(packing: Packing, number: int | None, path: str) -> Motion:
-    """A table of displacements, as `modes --vectors FILE.tsv' and `plot --table' write them, which must be of this packing."""
+    """A table of displacements, as `modes --vectors FILE.tsv' and `plot --table' write them, which must be of this
+    packing."""
     table = Table.read(path)
     head, own = table.metadata, f"{packing.hash:016x}"
     if table.units.get("radius", "d") not in ("d", ""):

@@ -22,20 +22,23 @@ _NUMBERS = {**{key: (0.0, math.inf) for key in ("width", "depth", "height", "pre
             **{key: (-math.inf, math.inf) for key in (*SIDES, "xy", "xz", "yz", "gravity")},
             "friction": (0.0, 1e6), "poisson": (0.0, 0.5)}
 #: keys that are words, and what they may be
-_WORDS = {"cell": CELLS, "up": ("x", "y", "z"), "sides": ("open", "periodic"), "across": ("drop",), "digits": ("exact",),
+_WORDS = {"cell": CELLS, "up": ("x", "y", "z"), "sides": ("open", "periodic"), "across": ("drop",),
+          "digits": ("exact",),
           "wall": WALLS, "dimension": ("2", "3")}
-_KEYS = ("dimension, up, cell, sides, across, width, depth, bottom, top, height, left, right, front, back, xy, xz, yz, gravity, "
+_KEYS = ("dimension, up, cell, sides, across, width, depth, bottom, top, height, left, right, front, back, xy, xz, yz, "
+         "gravity, "
          "pressure, friction, poisson, wall, digits, first_id")
 #: those that the head of a file may say
-SAID = ("dimension", "cell", "width", "depth", "height", *SIDES, "xy", "xz", "yz", "gravity", "friction", "poisson", "wall",
+SAID = ("dimension", "cell", "width", "depth", "height", *SIDES, "xy", "xz", "yz", "gravity", "friction", "poisson",
+        "wall",
         "pressure")
 
 
 @dataclasses.dataclass
 class Options:
-    """What is None or missing in `keys` follows from the files; docs/formats.md says how. Lengths and forces of the files
-    are multiplied by the units, and are then in the units of the material; without a material they must be in d and
-    E* d^2. Keys are in the units of the files; kn and thickness in those of the material."""
+    """What is None or missing in `keys` follows from the files; docs/formats.md says how. Lengths and forces of the
+    files are multiplied by the units, and are then in the units of the material; without a material they must be in d
+    and E* d^2. Keys are in the units of the files; kn and thickness in those of the material."""
 
     form: str = "auto"
     contacts: str | None = None
@@ -71,7 +74,8 @@ def read_key(name: str, value: str) -> Any:
         low, high = _NUMBERS[name]
         found = number(value)
         if not low <= found <= high:
-            raise bad_option(f" = '{value:.60}': must be {'a finite number >= 0' if low == 0 else 'a finite number'}", name)
+            raise bad_option(f" = '{value:.60}': must be {'a finite number >= 0' if low == 0 else 'a finite number'}",
+                             name)
         return found
     if name in _WORDS:
         words = _WORDS[name]
@@ -116,7 +120,8 @@ USUAL = {
     "ft_x": "ft_x Ftx p1 c_sp_contact[3] c_sp_gran[10]", "ft_y": "ft_y Fty p2 c_sp_contact[4] c_sp_gran[11]",
     "ft_z": "ft_z Ftz p3 c_sp_contact[5] c_sp_gran[12]", "t_x": "t_x", "t_y": "t_y", "t_z": "t_z",
     "fn_x": "fn_x c_sp_gran[7]", "fn_y": "fn_y c_sp_gran[8]", "fn_z": "fn_z c_sp_gran[9]", "f_x": "f_x c_sp_wall[4]",
-    "f_y": "f_y c_sp_wall[5]", "f_z": "f_z c_sp_wall[6]", "p_x": "p_x", "p_y": "p_y", "p_z": "p_z", "kn": "kn", "kt": "kt ks"}
+    "f_y": "f_y c_sp_wall[5]", "f_z": "f_z c_sp_wall[6]", "p_x": "p_x", "p_y": "p_y", "p_z": "p_z", "kn": "kn",
+    "kt": "kt ks"}
 _OF_CONTACTS = list(USUAL)[list(USUAL).index("id1"):]
 
 #: a column of a sheet and the sign that its numbers get
@@ -147,7 +152,8 @@ class Roles:
     def need(self, sheet: Sheet, role: str) -> Column:
         found = self.find(sheet, role)
         if found is None:
-            raise bad_file(f"{sheet.file}: no column for {role}; its columns are: {sheet.listed()}-- name it by --columns "
+            raise bad_file(f"{sheet.file}: no column for {role}; its columns are: {sheet.listed()}-- name it by "
+                           f"--columns "
                            f"{role}=COLUMN")
         return found
 
@@ -177,7 +183,8 @@ class Roles:
             if role in self.used or role in SIDES:
                 continue
             sheet = contacts if contacts is not None and role in _OF_CONTACTS else grains
-            raise bad_option(f"--columns {role}={name}: {sheet.file} has no such column; its columns are: {sheet.listed()}")
+            raise bad_option(f"--columns {role}={name}: {sheet.file} has no such column; its columns are: "
+                             f"{sheet.listed()}")
 
 
 def as_file_fault(fault: InvalidInput | FileError) -> InvalidInput:

@@ -7,6 +7,7 @@ import math
 import os
 import re
 import stat
+import warnings
 import zlib
 from collections.abc import Iterator
 from typing import NoReturn
@@ -141,9 +142,11 @@ class Sheet:
         self.values = self._parse(region, count)
         if self.rows < count:
             lines = at.text.count(b"\n") + (not at.text.endswith(b"\n"))
-            raise bad_file(f"{self.file}:{lines}: the file ends after {self.rows} of {count} {what}; must have all of them")
+            raise bad_file(f"{self.file}:{lines}: the file ends after {self.rows} of {count} {what}; must have all of "
+                           f"them")
         if count and not at.text.endswith(b"\n") and self._offset_of_last() == len(at.text):
-            raise bad_file(f"{self.file}:{self.line(self.rows - 1)}: the file ends inside of this line; must end with a line "
+            raise bad_file(f"{self.file}:{self.line(self.rows - 1)}: the file ends inside of this line; must end with "
+                           f"a line "
                            "end")
         return self
 
@@ -157,22 +160,26 @@ class Sheet:
     def _parse(self, region: memoryview | bytes, count: int | None) -> Floats:
         """The rows by pandas, if all of their cells are numbers, else one by one."""
         import pandas
+        words = {"delim_whitespace": True} if self.separator == " " else {"sep": self.separator}
         try:
-            frame = pandas.read_csv(
-                io.BytesIO(region), header=None, names=[*range(len(self.names)), "more"], index_col=False, nrows=count,
-                engine="c", float_precision="round_trip", encoding_errors="replace", low_memory=False, quoting=3,
-                **{"delim_whitespace": True} if self.separator == " " else {"sep": self.separator})
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # cells that are too many are found in "more"
+                frame = pandas.read_csv(
+                    io.BytesIO(region), header=None, names=[*range(len(self.names)), "more"], index_col=False,
+                    nrows=count,
+                    engine="c", float_precision="round_trip", encoding_errors="replace", low_memory=False, quoting=3,
+                    **words)
         except (pandas.errors.ParserError, pandas.errors.EmptyDataError, OverflowError, ValueError):
             return self._parse_rows(count)
         more = frame.pop("more")
-        words = [k for k in frame if frame[k].dtype == object]
-        for k in words:  # a column of names, such as the species of XYZ
+        named = [k for k in frame if frame[k].dtype == object]
+        for k in named:  # a column of names, such as the species of XYZ
             if frame[k].map(lambda cell: isinstance(cell, str) and math.isnan(number(cell.strip()))).all():
                 frame[k] = np.nan
         values = frame.to_numpy(dtype=float) if not any(frame[k].dtype == object for k in frame) else None
         whole = values is not None and bool(more.isna().all()) and np.isfinite(
-            values[:, [k for k in range(len(self.names)) if k not in words]]).all()
-        if not whole or (words and len(self.names) - 1 in words) or (count is not None and len(frame) < count):
+            values[:, [k for k in range(len(self.names)) if k not in named]]).all()
+        if not whole or len(self.names) - 1 in named or (count is not None and len(frame) < count):
             return self._parse_rows(count)
         return values  # type: ignore[return-value]
 
@@ -238,7 +245,8 @@ class Sheet:
 
     def fail(self, row: int, column: int, rule: str) -> NoReturn:
         """Refuses a cell."""
-        raise bad_file(f"{self.file}:{self.line(row)}: column {self.names[column]} is '{self.word(row, column)}'; must be "
+        raise bad_file(f"{self.file}:{self.line(row)}: column {self.names[column]} is '{self.word(row, column)}'; must "
+                       f"be "
                        f"{rule}")
 
     def finite(self, column: int, rows: Integers | None = None) -> Floats:

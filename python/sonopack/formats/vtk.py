@@ -1,5 +1,5 @@
-"""VTK XML PolyData: grains as points, contacts and wall contacts as lines; and series of snapshots. Arrays are inline and
-uncompressed, in base64 with a 64-bit size in front: of the forms that VTK reads, OVITO reads this one alone."""
+"""VTK XML PolyData: grains as points, contacts and wall contacts as lines; and series of snapshots. Arrays are inline
+and uncompressed, in base64 with a 64-bit size in front: of the forms that VTK reads, OVITO reads this one alone."""
 from __future__ import annotations
 
 import base64
@@ -37,7 +37,8 @@ def _field(arrays: str) -> str:
 
 
 def _begin(note: str, points: int, verts: int, lines: int) -> str:
-    return ('<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
+    return ('<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" '
+            'header_type="UInt64">\n'
             f"<!-- {note} -->\n<PolyData>\n"
             f'<Piece NumberOfPoints="{points}" NumberOfVerts="{verts}" NumberOfLines="{lines}" NumberOfStrips="0" '
             'NumberOfPolys="0">\n')
@@ -46,7 +47,8 @@ def _begin(note: str, points: int, verts: int, lines: int) -> str:
 def _points(points: Floats, each: int, element: str) -> str:
     count = len(points) // each
     return (f"<Points>\n{_array('Points', points.reshape(-1, 3))}</Points>\n<{element}>\n"
-            + _array("connectivity", np.arange(count * each), "i8") + _array("offsets", each * np.arange(1, count + 1), "i8")
+            + _array("connectivity", np.arange(count * each), "i8")
+            + _array("offsets", each * np.arange(1, count + 1), "i8")
             + f"</{element}>\n</Piece>\n")
 
 
@@ -54,7 +56,8 @@ def _whole(e: Export) -> str:
     """The numbers of the whole packing, which ParaView shows as field data."""
     p = e.packing
     text = _array("dimension", p.dim, "i4") + _array("box", [e.box]) + "".join(
-        _array(name, value) for name, value in (("pressure", e.pressure), ("friction", p.friction), ("poisson", p.poisson)))
+        _array(name, value) for name,
+        value in (("pressure", e.pressure), ("friction", p.friction), ("poisson", p.poisson)))
     if e.special:
         text += _array("cell", CELLS.index(p.cell), "i4") + _array("tilt", [e.tilt])
         text += _array("gravity", e.gravity)
@@ -65,7 +68,8 @@ def _whole(e: Export) -> str:
 
 def _note(e: Export) -> str:
     length, mass, force, stress, stiffness = e.units.names
-    return (f"sonopack: lengths in {length}, forces in {force}, stiffnesses in {stiffness}, stresses in {stress}, masses in "
+    return (f"sonopack: lengths in {length}, forces in {force}, stiffnesses in {stiffness}, stresses in {stress}, "
+            f"masses in "
             f"{mass}; the normal of a contact points from its grain id1, on which the force acts")
 
 
@@ -80,12 +84,13 @@ def _grains(e: Export) -> str:
 
 
 def _lines(e: Export, walls: bool) -> str:
-    """OVITO takes a file of lines with id1 and id2 for the bonds of its particles. Walls are no particles: theirs is another
-    name."""
+    """OVITO takes a file of lines with id1 and id2 for the bonds of its particles. Walls are no particles: theirs is
+    another name."""
     part = e.j < 0 if walls else e.j >= 0
     ends, crosses = e.ends()
     count = int(part.sum())
-    arrays = [("id1", e.i, "i8"), ("wall" if walls else "id2", e.j, "i8"), ("normal_force", e.fn, "f8"), ("force", e.force, "f8"),
+    arrays = [("id1", e.i, "i8"), ("wall" if walls else "id2", e.j, "i8"), ("normal_force", e.fn, "f8"),
+              ("force", e.force, "f8"),
               ("tangential_force", e.ft, "f8"), ("normal", e.n, "f8"), ("overlap", e.overlap, "f8"), ("kn", e.kn, "f8"),
               ("kt", e.kt, "f8"), ("carrying", e.carrying, "i8"), *(() if walls else (("periodic", crosses, "i8"),))]
     points = np.stack([e.x[e.i], ends], axis=1)[part].reshape(-1, 3)
@@ -165,7 +170,8 @@ def read_arrays(path: str) -> tuple[dict[str, Any], str]:
     except (xml.etree.ElementTree.ParseError, ValueError) as fault:
         raise bad_file(f"{path}: is no whole XML: {fault}") from None
     if root.get("type") != "PolyData" or root.get("header_type") != "UInt64" or root.get("compressor"):
-        raise bad_file(f"{path}: {root.get('type')}, must be PolyData as sonopack writes it; a series or a block of files names "
+        raise bad_file(f"{path}: {root.get('type')}, must be PolyData as sonopack writes it; a series or a block of "
+                       f"files names "
                        "others, which can be read")
     note = text[text.find(b"<!--") + 4:text.find(b"-->")].decode(errors="replace") if b"<!--" in text else ""
     return {element.get("Name"): _read_array(path, element) for element in root.iter("DataArray")}, note

@@ -1,5 +1,5 @@
-"""Contacts with the walls: by overlaps, from the per-atom output of fix wall/gran, from a file, or by what is missing in
-the balance of forces."""
+"""Contacts with the walls: by overlaps, from the per-atom output of fix wall/gran, from a file, or by what is missing
+in the balance of forces."""
 from __future__ import annotations
 
 import math
@@ -22,9 +22,11 @@ def read(w: Work) -> None:
     if walls == "none" or (walls is None and w.cell == "periodic"):
         return
     if w.cell == "periodic":
-        raise bad_option(f"--walls {walls}: the cell of {w.path} is periodic along all axes and has no walls: --set cell=piston "
+        raise bad_option(f"--walls {walls}: the cell of {w.path} is periodic along all axes and has no walls: --set "
+                         f"cell=piston "
                          "or box, if it should have")
-    fixes = {side: fix for side in range(2 * w.dim if w.cell == "box" else 2) if (fix := _find_side(w, side)) is not None}
+    fixes = {side: fix for side in range(2 * w.dim if w.cell == "box" else 2)
+             if (fix := _find_side(w, side)) is not None}
     if walls == "balance":
         _balance(w)
     elif w.walls is not None:
@@ -37,7 +39,8 @@ def read(w: Work) -> None:
 
 def _overlap(w: Work) -> None:
     if not w.has_wall[0] and not w.has_wall[1] and w.o.walls is not None:
-        raise bad_option(f"--walls overlap: {w.path} has no box along {w.name_of(w.up)}; must be given: --set bottom=PLACE, "
+        raise bad_option(f"--walls overlap: {w.path} has no box along {w.name_of(w.up)}; must be given: --set "
+                         f"bottom=PLACE, "
                          "--set top=PLACE")
     w.links = w.links + touch.walls(w)
 
@@ -56,9 +59,10 @@ def _pushing(w: Work, grain: Integers, force: Floats) -> Integers:
     return best
 
 
-def _add_forces(w: Work, grain: Integers, force: Floats, point: Floats | None, side: int = -1) -> tuple[Integers, Integers]:
-    """Adds contacts with the walls that push grains with these forces, in the units of the file, at these points. Returns
-    the indices of those that act from the side, which are left out, and of those that pull."""
+def _add_forces(w: Work, grain: Integers, force: Floats, point: Floats | None, side: int = -1) -> tuple[Integers,
+    Integers]:
+    """Adds contacts with the walls that push grains with these forces, in the units of the file, at these points.
+    Returns the indices of those that act from the side, which are left out, and of those that pull."""
     links = Links(len(grain))
     links.i, links.j = grain, _pushing(w, grain, force) if side < 0 else np.full(len(grain), -1 - side)
     w.place_links(links)
@@ -105,7 +109,8 @@ def _find_fix(w: Work, name: str) -> Fix | None:
     """The columns f_ID[1] ... f_ID[7]: touches, force, point."""
     columns = [w.grains.column(f"{name}[{k}]") for k in range(1, 8)]
     force = [columns[1 + f] for f in w.axis[:w.dim]]
-    return (columns[0], force, [columns[4 + f] for f in w.axis[:w.dim]]) if columns[0] >= 0 and min(force) >= 0 else None
+    return (columns[0], force,
+            [columns[4 + f] for f in w.axis[:w.dim]]) if columns[0] >= 0 and min(force) >= 0 else None
 
 
 def _find_side(w: Work, side: int) -> Fix | None:
@@ -168,7 +173,8 @@ def _read_file(w: Work, sheet: Sheet) -> None:
     grain, force = grain[rows], w.vectors(sheet, at, rows)
     point = w.vectors(sheet, points, rows) if points else None
     size = length(force)
-    from_side = np.abs(force[:, w.up]) < 0.5 * size if w.cell == "piston" and point is None else np.zeros(len(rows), bool)
+    from_side = np.abs(force[:, w.up]) < 0.5 * size if w.cell == "piston" and point is None else np.zeros(len(rows),
+        bool)
     taken = np.flatnonzero((size > 0) & ~from_side)
     beside, pulls = _add_forces(w, grain[taken], force[taken], None if point is None else point[taken])
     if len(pulls):
@@ -208,7 +214,8 @@ def _balance(w: Work) -> None:
     aside = np.abs(along) < 0.5 * size[grain]
     links = Links(int((~aside).sum()))
     links.i = grain[~aside]  # the others push it up: what holds it is above
-    links.j = np.array([w.wall_on(int(a), float(value)) for a, value in zip(axis[~aside], along[~aside])], dtype=np.int64)
+    links.j = np.array([w.wall_on(int(a), float(value)) for a, value in zip(axis[~aside], along[~aside])],
+                       dtype=np.int64)
     links.fn, links.n = size[links.i], lack[links.i] / size[links.i, None]
     links.ft[:] = 0
     w.links = w.links + links

@@ -104,11 +104,12 @@ class Report:
         """What the command prints."""
         within = abs(self.hertz - 1) + self.hertz * self.hertz_spread
         hertz = f"; normal forces follow Hertz's law within {within:.1e}" if math.isfinite(self.hertz) else ""
-        first = (f"{path}: {self.form}, {self.grains} grains, {self.contacts} contacts, {self.wall_contacts} of them with "
+        first = (f"{path}: {self.form}, {self.grains} grains, {self.contacts} contacts, {self.wall_contacts} of them "
+                 f"with "
                  f"walls; largest net force {self.balance:.2g} of the mean{hertz}")
         many = self.left_out > 1
-        out = [f"{self.left_out} grain{'s' * many} of other types {'are' if many else 'is'} left out"] if self.left_out else []
-        return [first, *out, *self.notes[:16]]
+        text = f"{self.left_out} grain{'s' * many} of other types {'are' if many else 'is'} left out"
+        return [first, *([text] if self.left_out else []), *self.notes[:16]]
 
 
 class Work:
@@ -157,7 +158,9 @@ class Work:
         return f"{pressure:.6g} E* ({1e-3 * pressure * modulus(self.material):.6g} kPa)"
 
     def length_text(self, value: float) -> str:
-        return f"{value:.6g}" if self.material is None else f"{value:.6g} d ({1e3 * value * self.material.diameter:.6g} mm)"
+        if self.material is None:
+            return f"{value:.6g}"
+        return f"{value:.6g} d ({1e3 * value * self.material.diameter:.6g} mm)"
 
     # ---- columns ----------------------------------------------------------------------------------------------------
 
@@ -241,7 +244,8 @@ class Work:
 
     def goes_across(self, i: Integers, j: Integers) -> np.ndarray:  # type: ignore[type-arg]
         """Whether contacts lead through the face at which the box is cut."""
-        far: np.ndarray = np.abs(self.x[j, self.up] - self.x[i, self.up]) > 0.5 * self.edge[self.up]  # type: ignore[type-arg]
+        # type: ignore[type-arg]
+        far: np.ndarray = np.abs(self.x[j, self.up] - self.x[i, self.up]) > 0.5 * self.edge[self.up]
         return far & (j >= 0) & self.cut
 
 

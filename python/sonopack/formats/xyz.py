@@ -78,9 +78,12 @@ def write(e: Export) -> bytes:
     (xy, xz, yz), edge = e.tilt, e.box
     lattice = [n(edge[0]), "0", "0", n(xy), n(edge[1]), "0", n(xz), n(yz), n(edge[2])]
     pbc = " ".join("T" if a < p.dim and e.periodic(a) else "F" for a in range(3))
-    more = (":displacement:R:3" if e.displacement is not None else "") + (":rotation:R:3" if e.rotation is not None else "")
-    head = (f'{p.n}\nLattice="{" ".join(lattice)}" pbc="{pbc}" Properties=species:S:1:pos:R:3:id:I:1:radius:R:1:mass:R:1:'
-            f"forces:R:3:contacts:I:1:rattler:I:1{more} dimension={p.dim} pressure={n(e.pressure)} friction={n(p.friction)} "
+    more = (":displacement:R:3" if e.displacement is not None else "") + (":rotation:R:3" if e.rotation is not None
+                                                                          else "")
+    head = (f'{p.n}\nLattice="{" ".join(lattice)}" pbc="{pbc}" '
+            f'Properties=species:S:1:pos:R:3:id:I:1:radius:R:1:mass:R:1:'
+            f"forces:R:3:contacts:I:1:rattler:I:1{more} dimension={p.dim} pressure={n(e.pressure)} "
+            f"friction={n(p.friction)} "
             f"poisson={n(p.poisson)}")
     if e.special:
         head += f" cell={p.cell} gravity={n(e.gravity)}"
