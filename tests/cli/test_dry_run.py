@@ -142,16 +142,6 @@ def test_networks():
     run("statics", N200, "--dry-run", status=2)
 
 
-def test_papers():
-    two, thirty = (plan("reproduce", "somfai2005", "--samples", n, "--store", "papers")["total"]["cpu_s"]
-                   for n in (2, 30))
-    assert 5 < thirty / two < 20
-    only = plan("reproduce", "somfai2005", "--only", "table1", "--store", "papers")
-    assert set(name.split(":")[0] for name in only) == {"600 grains", "items", "total"}
-    assert plan("reproduce", "blackmore2011")["items"]["count"] == 6
-    assert not os.path.exists("papers")
-
-
 def test_speed():
     """No work: the processor time of a plan does not depend on what is planned."""
     before = os.times().children_user
@@ -161,7 +151,7 @@ def test_speed():
 
 with tempfile.TemporaryDirectory(prefix="sonopack-dry-run-") as name:
     os.chdir(name)
-    for test in (test_memory, test_pack, test_study, test_networks, test_papers, test_speed):
+    for test in (test_memory, test_pack, test_study, test_networks, test_speed):
         test()
         print(test.__name__, "ok")
     text = run("pack", "--help")

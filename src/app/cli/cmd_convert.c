@@ -11,13 +11,13 @@
 typedef convert_arguments arguments;
 
 static const cli_option options[] = {
-    {"grain-table", "FILE.tsv", "Table of grains: id x y [z] radius. --grains is its older name", CLI_TEXT,
+    {"grain-table", "FILE.tsv", "Table of grains: id x y [z] radius", CLI_TEXT,
      .field = offsetof(arguments, grains)},
     {"contact-table", "FILE.tsv",
-     "Table of contacts: i j nx ny [nz] overlap Fn Ft. Its older name is --contacts, which with files of other "
-     "programs names their list of contacts, or is overlap: all pairs that overlap",
-     CLI_TEXT, .field = offsetof(arguments, contacts)},
+     "Table of contacts: i j nx ny [nz] overlap Fn Ft", CLI_TEXT, .field = offsetof(arguments, contacts)},
     {.help = "Packings of other programs:"},
+    {"contacts", "FILE|overlap", "List of contacts of IN, or all pairs that overlap", CLI_TEXT,
+     .field = offsetof(arguments, contacts)},
     {"from", "FORM", "Form of IN: " CONVERT_FORMS " (auto)", CLI_CHOICE, .field = offsetof(arguments, from),
      .words = sp_form_names},
     {"walls", "FILE|overlap|balance|none", "Contacts with the walls (those that IN has, else overlap)", CLI_TEXT,
@@ -126,7 +126,7 @@ static sp_status resolve_files(arguments *a, sp_error *err) {
     }
     if (!a->grains != !a->contacts)
         return sp_fail(err, SP_EINVAL,
-                       "a table of %s alone: give both --grain-table and --contact-table (or --grains and --contacts)",
+                       "a table of %s alone: give both --grain-table and --contact-table",
                        a->grains ? "grains" : "contacts");
     if (a->in && strcmp(a->in, "-") == 0 && a->grains)
         a->in = NULL;
