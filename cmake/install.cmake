@@ -31,7 +31,6 @@ install(DIRECTORY python/examples DESTINATION ${CMAKE_INSTALL_DOCDIR}/python PAT
 install(FILES tests/package/consumer.c tests/package/consumer_all.c DESTINATION ${CMAKE_INSTALL_DOCDIR}/tests/package)
 install(DIRECTORY tests/foreign/samples DESTINATION ${CMAKE_INSTALL_DOCDIR}/tests/foreign PATTERN __pycache__ EXCLUDE)
 install(FILES .clang-tidy DESTINATION ${CMAKE_INSTALL_DOCDIR})
-install(FILES benchmarks/results/protocols.md DESTINATION ${CMAKE_INSTALL_DOCDIR}/benchmarks/results)
 
 # Command and shared libraries find each other wherever the tree is moved.
 file(RELATIVE_PATH bin_to_lib /${CMAKE_INSTALL_BINDIR} /${CMAKE_INSTALL_LIBDIR})

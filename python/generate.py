@@ -85,31 +85,78 @@ def name_of(code):
     return None
 
 
+FIELD = re.compile(r"(?P<above>(?:\s*/\*(?:(?!\*/).)*\*/)*)(?P<code>[^;/]+);(?P<behind>[ \t]*/\*.*?\*/)?", re.S)
+BRACKETS = re.compile(r" ?\[(?:[^\]]*(?:E\*|\brho\b)[^\]]*|(?:1/)?d(?:\^\d)?)\]")
+
+
 def field_comments(code):
-    """{field: comment} of a struct: the comment that follows a field, or stands above it."""
+    """{field: comment} of a struct: the comment behind a declaration, or above it. Of several fields that are declared
+    together each has its own part, where the comment has as many parts between semicolons; the shape at its beginning,
+    the sentences behind the last part, and the unit at its end belong to all of them."""
     body = re.search(r"\{(.*)\}", code, re.S)
     if "typedef struct" not in code or not body:
         return {}
-    found, last, above, next_line = {}, [], "", True
-    for part in re.finditer(r"/\*.*?\*/|[^;/]+(?:;|(?=/\*)|$)", body.group(1), re.S):
-        text = part.group()
-        if text.startswith("/*"):
-            if not next_line and not found.get(last[-1]):
-                found.update({name: plain(text) for name in last})
-            else:
-                above = plain(text)
-            continue
-        names = re.findall(r"(?:^|[\s*(])(\w+)\s*(?=\[[^;]*?\]\s*[,;]|[,;]|\)\s*\()", text)
-        next_line = next_line or "\n" in text if not names else text.endswith("\n")
-        if not names:
-            continue
-        if last and not text.endswith(";"):  # one declaration, with a comment in its middle
-            last = last + names
-        else:
-            last = names
-        found.update({name: above for name in names})
-        above = ""
+    found = {}
+    for match in FIELD.finditer(body.group(1)):
+        names = re.findall(r"(\w+)\s*(?:\[[^\]]*\]\s*)*(?:,|$|\)\s*\()", match["code"])
+        comment = match["behind"] or (re.findall(r"/\*.*?\*/", match["above"], re.S) or [""])[-1]
+        for name, text in zip(names, parts_of(plain(comment.strip()) if comment else "", len(names))):
+            found[name] = text
     return {name: text for name, text in found.items() if text}
+
+
+def parts_of(comment, count):
+    parts = comment.split("; ")
+    if count == 1 or len(parts) != count:
+        return [comment] * count
+    shape = re.match(r"(?:\[[^\]]*\])* ?", comment).group()
+    unit = BRACKETS.search(parts[-1]) if parts[-1].endswith("]") else None
+    body = parts[-1][:unit.start()] if unit else parts[-1]
+    last, stop, rest = (*re.split(r"(?<!\.)(\. )", body, maxsplit=1), "", "")[:3]
+    own = [parts[0][len(shape):], *parts[1:-1], last]
+    return [shape + text + stop + rest + (unit.group() if unit and not BRACKETS.search(text) else "") for text in own]
+
+
+# ---- C's words ------------------------------------------------------------------------------------------------------
+
+SPOKEN = ((r"\bSP_EINVAL\b|\bSP_EFORMAT\b", "InvalidInput"), (r"\bSP_EIO\b", "FileError"), (r"\bSP_ENOMEM\b", "NoMemory"),
+          (r"\bSP_EREFUSED\b", "Refused"), (r"\bSP_EINTERRUPTED\b", "Interrupted"), (r"\bSP_EFAILED\b", "SonopackError"),
+          (r"[-+]?\bINFINITY\b", "inf"), (r"\bNAN\b", "nan"), (r"(?:^|(?<=\. ))\w+ may be NULL\. ?", ""),
+          (r"[,;]?(?: either of which)?(?: which)?(?: ?\bmay be NULL\b)", ""), (r",? or NULL\b", ""), (r"\bNULL\b", "None"),
+          (r"\bSP_(?:CELL|WALL|PLACE|SIGNAL|PACK|DAMPING)_([A-Z_]+)\b", lambda m: m[1].lower().replace("_", "-")),
+          (r"\bSP_([A-Z_]+)\b", r"\1"))
+
+
+def spoken(text, names):
+    """A comment in the words of Python: its exceptions, its classes and methods."""
+    for pattern, word in SPOKEN:
+        text = re.sub(pattern, word, text)
+    return re.sub(r"\bsp_\w+", lambda match: names.get(match[0], match[0]), text).strip()
+
+
+def python_names(package):
+    """{name in C: name in Python} of classes and of what has the comment of a C function."""
+    names = {}
+    for path in package.glob("_*.py"):
+        owner, documented = "", None
+        for line in path.read_text().splitlines():
+            found = re.match(r"(?:class (\w+)|( *)def (\w+)|\s+_type = \"(\w+)\"| *@documented\(\"(\w+)\"\))", line)
+            if found and found[1]:
+                owner = found[1]
+            elif found and found[3] and documented:
+                names.setdefault(documented, f"{owner}.{found[3]}()" if found[2] else f"{found[3]}()")
+                documented = None
+            elif found and found[4] and found[4] != "sp_scene":
+                names[found[4]] = owner
+            elif found and found[5]:
+                documented = found[5]
+    return names
+
+
+def unit_of(comment):
+    """The unit that a comment has in brackets, in E*, rho and d; "" for a pure number."""
+    found = BRACKETS.findall(comment)
+    return found[0].strip(" []") if len(found) == 1 else ""
 
 
 DECLARATION = re.compile(r"(?P<before>(?:/\*(?:(?!\*/).)*\*/\s*)*)"
@@ -190,13 +237,14 @@ def records_of(ffi, names, reference):
             continue
         records[name] = True
         own, fields = reference.get(name, ("", {}))
-        text = doc_of(own or f"The struct {name} of the C library.",
+        text = doc_of(own,
                       [(field, fields[field]) for field, _ in types if field in fields])
         body = "\n".join(f"    {field + '_' if keyword.iskeyword(field) else field}: {kind}" for field, kind in types)
-        blocks.append(f'@dataclass(frozen=True)\nclass {python_name(name)}:\n    """{text}\n    """\n\n{body}\n')
+        body += f"\n    units = {({field: unit_of(text) for field, text in fields.items() if unit_of(text)})!r}"
+        blocks.append(f'@dataclass(frozen=True)\nclass {python_name(name)}(InSI):\n    """{text}\n    """\n\n{body}\n')
     table = "".join(f'    "{name}": {python_name(name)},\n' for name in records)
     return ('"""Results of the library as plain values. Generated from its headers."""\n'
-            "from dataclasses import dataclass\n\n\n" + "\n\n".join(blocks) +
+            "from dataclasses import dataclass\n\nfrom ._si import InSI\n\n\n" + "\n\n".join(blocks) +
             f"\n\nRECORDS: dict[str, type] = {{\n{table}}}\n")
 
 
@@ -208,6 +256,10 @@ def main():
         comments_of(text, reference)
         code.append(without_comments(text))
     quantities((include / "sonopack/quantities.inc").read_text(), reference)
+    names = python_names(native.parent / "sonopack")
+    names.update((name, python_name(name)) for name in reference if reference[name][1] and not INPUTS.search(name))
+    reference = {name: (spoken(own, names), {field: spoken(text, names) for field, text in fields.items()})
+                 for name, (own, fields) in reference.items()}
     declarations = "".join(code)
     # cffi writes C that does not compile for a pointer to an array of constants; such fields are left out
     declarations = re.sub(r"const \w+ \(\*\w+\)\[\w+\];", "...;", declarations)
@@ -220,9 +272,12 @@ def main():
     ffi.emit_c_code(str(output / "_native.c"))
     (output / "_records.py").write_text(records_of(ffi, names, reference))
     (output / "_reference.py").write_text(
-        '"""Comments of the C headers: {name: (comment, {field: comment})}. Generated."""\n'
+        '"""Comments of the C headers: {name: (comment, {field: comment})}, and {struct: {field: unit}}. Generated."""\n'
         f"COMMENTS: dict[str, tuple[str, dict[str, str]]] = {{\n"
-        + "".join(f"    {name!r}: {entry!r},\n" for name, entry in sorted(reference.items())) + "}\n")
+        + "".join(f"    {name!r}: {entry!r},\n" for name, entry in sorted(reference.items())) + "}\n\n"
+        "UNITS: dict[str, dict[str, str]] = {\n"
+        + "".join(f"    {name!r}: { {field: unit_of(text) for field, text in fields.items() if unit_of(text)}!r},\n"
+                  for name, (_, fields) in sorted(reference.items()) if fields) + "}\n")
 
 
 if __name__ == "__main__":

@@ -14,6 +14,28 @@
 /* after the above: cmocka needs them */
 #include <cmocka.h>
 
+/* ---- tests ---------------------------------------------------------------------------------------------------- */
+
+/* TEST(name) { ... } is a test of its program, which ends with RUN_TESTS(setup, teardown) of all of them, NULL for
+ * none: in the order of the file. RUN_TESTS_WHERE: skipped where the condition is false. TEST_BETWEEN: with a setup and
+ * a teardown of its own. */
+static struct CMUnitTest test_all[100] __attribute__((unused));
+static size_t test_count __attribute__((unused));
+#define TEST_BETWEEN(name, setup, teardown)                                                                            \
+    static void name(void **state);                                                                                    \
+    __attribute__((constructor)) static void test_add_##name(void) {                                                   \
+        test_all[test_count++] = (struct CMUnitTest){#name, name, setup, teardown, NULL};                              \
+    }                                                                                                                  \
+    static void name(__attribute__((unused)) void **state)
+#define TEST(name) TEST_BETWEEN(name, NULL, NULL)
+#define RUN_TESTS_WHERE(condition, setup, teardown)                                                                    \
+    int main(void) {                                                                                                   \
+        return (condition) ? _cmocka_run_group_tests("tests", test_all, test_count, setup, teardown) : 77;             \
+    }
+#define RUN_TESTS(setup, teardown) RUN_TESTS_WHERE(true, setup, teardown)
+
+/* ---- asserts ----------------------------------------------------------------------------------------------------- */
+
 #define assert_close(value, expected, tolerance)                                                                       \
     do {                                                                                                               \
         double v_ = (value), e_ = (expected), t_ = (tolerance);                                                        \
@@ -71,6 +93,25 @@ static inline bool test_names(const char *text, const char *words) {
         if (st_ != (expected) || !*err.text || !test_names(err.text, words))                                           \
             fail_msg("%s: %s \"%s\", expected %s \"%s\"", #call, sp_status_name(st_), err.text,                        \
                      sp_status_name(expected), words);                                                                 \
+    } while (0)
+/* Every allocation of a call, which takes &err, fails once, the first one first: SP_ENOMEM until it succeeds, after
+ * more than `least` of them. What follows is done after every try: it frees, and asserts that nothing is left where
+ * `lacks`.
+ */
+#define EACH_ALLOCATION_FAILS(least, call, ...)                                                                        \
+    do {                                                                                                               \
+        int allocations_ = -1;                                                                                         \
+        for (bool lacks = true; lacks;) {                                                                              \
+            sp_error err = {0};                                                                                        \
+            sp_alloc_fail_after(++allocations_);                                                                       \
+            const sp_status st_ = (call);                                                                              \
+            sp_alloc_fail_after(-1);                                                                                   \
+            lacks = st_ != SP_OK;                                                                                      \
+            if (lacks && st_ != SP_ENOMEM)                                                                             \
+                fail_msg("%s: %s (%s)", #call, err.text, sp_status_name(st_));                                         \
+            __VA_ARGS__;                                                                                               \
+        }                                                                                                              \
+        assert_true(allocations_ > (least));                                                                           \
     } while (0)
 /* Sanitizers look for wrong reads and writes: tests that make many packings only to count or for means are left out. */
 #ifdef __SANITIZE_ADDRESS__

@@ -15,7 +15,7 @@ extern "C" {
 
 /* A result with its error, an estimate from steps of twice the length and from every second time. */
 typedef struct sp_amplitude_number {
-    double value, error;
+    double value, error; /* the number; an estimate of its error */
 } sp_amplitude_number;
 
 typedef struct sp_amplitude_options {
@@ -41,20 +41,20 @@ typedef struct sp_amplitude_energy {
 
 /* The front at the top wall after a pulse of one amplitude at the bottom wall. */
 typedef struct sp_amplitude_front {
-    double amplitude;
-    double factor;              /* of the source: F is the change of the force on the top wall over it */
-    double step;                /* time step of the finer run */
-    sp_front front;             /* of F */
-    sp_amplitude_number t10;    /* [d/sqrt(E* / rho)] */
-    sp_amplitude_number speed;  /* t10 of the linear signal over t10: H/t10 over its linear limit */
-    sp_amplitude_number peak;   /* largest F of the front over that of the linear signal */
-    sp_amplitude_number width;  /* t_zero - t10 over that of the linear signal */
-    double overpressure;        /* largest change of the force on the top wall over the force at rest */
-    double until;               /* end of the run, behind the front: the time of the counts and of the energies */
+    double amplitude;          /* that was asked for */
+    double factor;             /* of the source: F is the change of the force on the top wall over it */
+    double step;               /* time step of the finer run [d/sqrt(E* / rho)] */
+    sp_front front;            /* of F */
+    sp_amplitude_number t10;   /* arrival, as in sp_front [d/sqrt(E* / rho)] */
+    sp_amplitude_number speed; /* t10 of the linear signal over t10: H/t10 over its linear limit */
+    sp_amplitude_number peak;  /* largest F of the front over that of the linear signal */
+    sp_amplitude_number width; /* t_zero - t10 over that of the linear signal */
+    double overpressure;       /* largest change of the force on the top wall over the force at rest */
+    double until; /* end of the run, behind the front: the time of the counts and of the energies [d/sqrt(E* / rho)] */
     int32_t carrying;           /* contacts that carry a force at rest; of these */
     int32_t slid, opened, lost; /* slid; were open at some time; are open at the end */
     int32_t closed;             /* gaps that closed at some time */
-    sp_amplitude_energy energy;
+    sp_amplitude_energy energy; /* at the end of the run */
 } sp_amplitude_front;
 
 /* Computes the fronts of `count` amplitudes, and that of the linear signal (all contacts, with prestress, by
@@ -68,11 +68,11 @@ SP_API sp_status sp_amplitude_pulses(const sp_packing *p, const sp_amplitude_opt
 /* The front at a plane: the flux of momentum through it, as in SP_PLACE_PLANE. */
 typedef struct sp_amplitude_plane {
     double height;                    /* of the contacts that carry the flux (sp_network_plane_height) [d] */
-    sp_amplitude_number t10;          /* [d/sqrt(E* / rho)] */
-    sp_amplitude_number t_peak;       /* [d/sqrt(E* / rho)] */
+    sp_amplitude_number t10;          /* arrival at the plane, as in sp_front [d/sqrt(E* / rho)] */
+    sp_amplitude_number t_peak;       /* time of the largest flux [d/sqrt(E* / rho)] */
     sp_amplitude_number overpressure; /* largest change of the flux of momentum, over the force at rest */
-    /* Speeds from the plane before, from t10 and from t_peak; at the first plane NAN [sqrt(E* / rho)] */
-    sp_amplitude_number speed, speed_peak;
+    sp_amplitude_number speed,
+        speed_peak; /* from the plane before, by t10; the same by t_peak. NAN at the first plane [sqrt(E* / rho)] */
 } sp_amplitude_plane;
 /* The fronts of one pulse at planes of these heights, ascending, inside the packing. plane: [n]; pulse: that at the top
  * wall, may be NULL. As sp_amplitude_pulses; SP_EINVAL for a height that no contact crosses, and for two planes that
@@ -92,9 +92,10 @@ typedef struct sp_amplitude_burst {
  * and w^3 that a wave of the envelope w = (1 - cos)/2 gives to them. The flux is that of two bursts of opposite sign:
  * half their sum has what is even in the amplitude (mean, second), half their difference what is odd. */
 typedef struct sp_amplitude_harmonics {
-    double height; /* as in sp_amplitude_plane [d] */
-    double until;  /* end of the record, before the front comes back from the top wall */
-    sp_amplitude_number first, second, third, mean;
+    double height; /* of the contacts that carry the flux [d] */
+    double until;  /* end of the record, before the front comes back from the top wall [d/sqrt(E* / rho)] */
+    sp_amplitude_number first, second, third,
+        mean;                  /* flux at omega; at 2 omega; at 3 omega; at rest: all over the force at rest */
     sp_amplitude_number phase; /* of the first, falls with height, continuous from plane to plane */
     sp_amplitude_number ratio; /* second/first^2 */
 } sp_amplitude_harmonics;
@@ -109,7 +110,7 @@ typedef struct sp_amplitude_second {
      */
     sp_amplitude_number beta;
     sp_amplitude_energy energy; /* of the burst upwards at its end; input: work of the wall. defect: over the largest */
-    double step;
+    double step;                /* time step of the finer run [d/sqrt(E* / rho)] */
 } sp_amplitude_second;
 
 /* Sends a burst through the packing. plane: [n], at heights as in sp_amplitude_planes, or with NULL at equal distances
@@ -131,10 +132,10 @@ typedef struct sp_solitary {
     double kdv;        /* speed of the long and weak wave over c, sqrt(1 + peak/6); */
     double kdv_width;  /* its width, of sech^2(x sqrt(peak/2)) */
     double nesterenko; /* speed of the long wave of any strength over c (Nesterenko 2001, ch. 1) */
-    /* The same over what belongs to a chain that rests with the overlap of the peak. These stay finite without force at
-     * rest, where `speed', `velocity' and `nesterenko' are INFINITY. */
-    double speed_at_peak, velocity_at_peak, nesterenko_at_peak;
-    double error; /* of speed, velocity and width, relative: an estimate from half the points */
+    double speed_at_peak, velocity_at_peak,
+        nesterenko_at_peak; /* speed; velocity; nesterenko over what belongs to a chain that rests with the overlap of
+                               the peak. They stay finite without force at rest, where the others are INFINITY */
+    double error;           /* of speed, velocity and width, relative: an estimate from half the points */
 } sp_solitary;
 /* Solves the equation of a wave of constant form, V^2 R = tent * (F(R) - F(0)), to rounding errors. SP_EINVAL for a
  * peak that is not in 1e-4 .. 1e9 or INFINITY. */

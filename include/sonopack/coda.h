@@ -23,7 +23,8 @@ typedef struct sp_coda_options {
 
 /* Kernels of the grains of a network. */
 typedef struct sp_coda {
-    int32_t n, pairs, times; /* grains of the network; pairs of source and detector, detectors running fastest */
+    int32_t n, pairs, times; /* grains of the network; pairs of source and detector, detectors running fastest; times of
+                                each signal */
     int32_t *grain;          /* [n] index in the packing */
     double *kernel;          /* [pairs][n][times] dF/d(ln k) */
     double *square;          /* [n] sum of squares of a grain's kernel over pairs and times */

@@ -14,14 +14,15 @@ extern "C" {
 /* A record section. The record of each plane ends at `until`, before the echo from the far wall; `arrival` is the
  * approximate arrival of the front. */
 typedef struct sp_coherent_section {
-    int32_t planes;
-    int32_t n;
+    int32_t planes;  /* one above the other */
+    int32_t n;       /* times of each signal */
     double spacing;  /* times are 0, spacing, 2 spacing, ... [d/sqrt(E* / rho)] */
     double *y;       /* [planes] heights, ascending [d] */
-    double *arrival; /* [planes] */
-    double *until;   /* [planes] last time used, above the arrival */
-    double *f;       /* [planes][n] */
-    double highest;  /* no wave has a higher frequency: the largest of the network, within 1e-3; 0: unknown */
+    double *arrival; /* [planes] first time at which the wave is there [d/sqrt(E* / rho)] */
+    double *until;   /* [planes] last time used, above the arrival [d/sqrt(E* / rho)] */
+    double *f;       /* [planes][n] flux of momentum through each plane [E* d^2] */
+    double highest;  /* no wave has a higher frequency: the largest of the network, within 1e-3; 0: unknown [sqrt(E* /
+                        rho)/d] */
 } sp_coherent_section;
 SP_API sp_coherent_section sp_coherent_section_none(void);
 SP_API void sp_coherent_section_free(sp_coherent_section *s);
@@ -47,12 +48,12 @@ SP_API sp_status sp_coherent_section_make(const sp_network *net, const sp_cohere
 
 /* The wave A exp(i k y - alpha y) at one frequency. */
 typedef struct sp_coherent_wave {
-    double omega;
+    double omega; /* frequency [sqrt(E* / rho)/d] */
     double k;     /* wave number [1/d] */
     double alpha; /* attenuation of the amplitude [1/d]; without dashpots it is due to scattering */
     double part;  /* fraction of the weighted squared spectra of the planes that the wave explains, 0 .. 1 */
-    double k_shift,
-        alpha_shift; /* changes of k and alpha if only half the time after the arrival of the wave is used */
+    double k_shift, alpha_shift; /* change of k; change of alpha, if only half the time after the arrival of the wave is
+                                    used [1/d] */
 } sp_coherent_wave;
 /* Least-squares fit of the wave to the Fourier integrals of all planes. Planes near the source have most weight,
  * because the coherent wave dominates there. The integrals end smoothly four periods after the front, since what

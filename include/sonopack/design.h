@@ -46,12 +46,12 @@ typedef struct sp_design_step {
 } sp_design_step;
 
 typedef struct sp_design {
-    int32_t n;      /* grains of the packing */
-    double *factor; /* [n]; 1 for rattlers */
-    int32_t steps;
+    int32_t n;                   /* grains of the packing */
+    double *factor;              /* [n] of each grain's mass, modulus or radius; 1 for rattlers */
+    int32_t steps;               /* rows of `step` */
     sp_design_step *step;        /* [steps], the first is the packing as it was */
     double linear_predicted;     /* value promised by the first gradient for the best factors within the limits */
-    double linear, linear_error; /* value that these factors really have, with an upper bound of its error */
+    double linear, linear_error; /* value that these factors really have; upper bound of its error */
     double effective; /* number of grains that share the first gradient: (sum |g|)^2 / sum g^2 over deviations from the
                          multiplier of the total */
     sp_packing packing; /* the packing made of these grains: `signal` and all other commands take it */

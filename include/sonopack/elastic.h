@@ -13,13 +13,15 @@ extern "C" {
  * 2 from wall to wall; C33 is the shear modulus. In 3D, 1 and 2 are along the walls and 3 from wall to wall; C33 is the
  * longitudinal modulus from wall to wall, and C44 (23), C55 (13), C66 (12) are the shear moduli in Voigt's notation. */
 typedef struct sp_moduli {
-    double c11, c12, c22, c33;      /* c33: 2D shear, 3D longitudinal [E*]; NAN where not computed */
-    double c13, c23, c44, c55, c66; /* 3D only [E*]; NAN in 2D */
-    double c_l, c_t; /* speeds of longitudinal and transverse waves from wall to wall, Eq. (8) [sqrt(E* / rho)]. 2D:
-                        sqrt(C22/Phi3*), sqrt(C33/Phi3*); 3D: sqrt(C33/Phi3*), sqrt((C44 + C55)/(2 Phi3*)) */
+    double c11, c12, c22,
+        c33; /* C11; C12; C22; C33, in 2D the shear modulus, in 3D the longitudinal one. NAN where not computed [E*] */
+    double c13, c23, c44, c55, c66; /* C13; C23; C44; C55; C66. NAN in 2D [E*] */
+    double c_l,
+        c_t; /* speed of longitudinal waves from wall to wall, Eq. (8): in 2D sqrt(C22/Phi3*), in 3D sqrt(C33/Phi3*);
+                speed of transverse waves: in 2D sqrt(C33/Phi3*), in 3D sqrt((C44 + C55)/(2 Phi3*)) [sqrt(E* / rho)] */
     double residual; /* largest |K u - f|/|f| of the solves; forces on free spins (sp_moduli_make) count a thousandth */
     double error11, error12, error22, error33, error13, error23, error44, error55,
-        error66; /* bounds of the errors of C11 .. C66 [E*] */
+        error66; /* bound of the error of the modulus of these indices [E*] */
 } sp_moduli;
 
 /* Moduli of the linear springs. One sparse Cholesky factorization serves all strains. Strains along the walls act
@@ -45,10 +47,12 @@ typedef struct sp_elasticity {
     int strains;                              /* 1, 3 or 6 */
     double c[SP_STRAINS_MAX][SP_STRAINS_MAX]; /* stress a due to strain b [E*]; NAN where undefined, as in sp_moduli */
     double error[SP_STRAINS_MAX][SP_STRAINS_MAX]; /* bounds of the errors of c [E*] */
-    double bulk, bulk_error;                      /* Voigt's average: that of the tensor over all directions, K [E*] */
-    double shear, shear_error;                    /* the same for the shear modulus G [E*] */
-    double anisotropy, anisotropy_error; /* |c - isotropic part| over |c|, as norms of tensors: 0 if isotropic */
-    double residual;                     /* as in sp_moduli */
+    double bulk, bulk_error;   /* bulk modulus K, Voigt's average: that of the tensor over all directions; bound of its
+                                  error [E*] */
+    double shear, shear_error; /* the same for the shear modulus G; bound of its error [E*] */
+    double anisotropy,
+        anisotropy_error; /* |c - isotropic part| over |c|, as norms of tensors, 0 if isotropic; bound of its error */
+    double residual;      /* largest |K u - f|/|f| of the solves */
 } sp_elasticity;
 
 /* The whole tensor by the strains of sp_moduli_make. moduli: the same with its names, as from sp_moduli_make; may be
@@ -66,10 +70,10 @@ typedef struct sp_probe {
 } sp_probe;
 /* Apparent moduli of one probe, from its elastic energy [E*]. */
 typedef struct sp_probe_moduli {
-    double along; /* motion from wall to wall: C22, in 3D C33 */
+    double along; /* motion from wall to wall: C22, in 3D C33 [E*] */
     double shear; /* motion along x: C33, in 3D C55. NAN for chains, for lines between walls without friction, and for
-                     the sine if only one wall has friction */
-    double error_along, error_shear; /* bounds of their errors */
+                     the sine if only one wall has friction [E*] */
+    double error_along, error_shear; /* bound of the error of `along`; of `shear` [E*] */
     double left_out; /* sine: part of the body force, as sum f^2/m, that acts on floppy motions and is therefore left
                         out; the larger of both directions, 0 without floppy motions */
     double concentrated; /* sine: largest part of the energy in a single grain. About 1/grains as a rule; near 1 the
@@ -97,9 +101,9 @@ SP_API sp_finite_strain_options sp_finite_strain_options_default(void);
 /* Moduli at finite strain: changes of the nominal stress over the strain. */
 typedef struct sp_finite_strain {
     sp_moduli moduli;            /* its errors are NAN, and the speeds without phi3s */
-    int32_t sliding, lost, made; /* contacts that slide, open and close; each the maximum over all strains */
-    int32_t solves, factors;
-    double residual; /* largest |residual force| over the forces of the affine strain */
+    int32_t sliding, lost, made; /* contacts that slide; that open; that close: each the maximum over all strains */
+    int32_t solves, factors;     /* linear systems solved; factorizations */
+    double residual;             /* largest |residual force| over the forces of the affine strain */
 } sp_finite_strain;
 
 /* Strains the packing with its full contact law (Hertz, incremental friction, Coulomb's limit, contacts that open and

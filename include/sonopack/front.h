@@ -17,12 +17,14 @@ typedef struct sp_front_options {
 } sp_front_options;
 SP_API sp_front_options sp_front_options_default(void);
 
+/* The first front of a trace. */
 typedef struct sp_front {
-    double t10;    /* arrival: first time at `rise` of the peak, linearly interpolated */
-    double t_peak; /* vertex of the parabola through the three points of the maximum */
-    double t_zero; /* first zero crossing after the peak, linearly interpolated; NAN if there is none in the window */
-    double amplitude;  /* height of that vertex */
-    double width;      /* t_zero - t10 */
+    double t10;        /* arrival: first time at `rise` of the peak, linearly interpolated [d/sqrt(E* / rho)] */
+    double t_peak;     /* vertex of the parabola through the three points of the maximum [d/sqrt(E* / rho)] */
+    double t_zero;     /* first zero crossing after the peak, linearly interpolated; NAN if there is none in the window
+                          [d/sqrt(E* / rho)] */
+    double amplitude;  /* height of that vertex [E* d^2] */
+    double width;      /* t_zero - t10 [d/sqrt(E* / rho)] */
     int64_t crossings; /* upward crossings of rise x amplitude before the peak, including that at t10. Above 1, noise or
                           a precursor makes t10 early. 0 in fronts read from a store */
 } sp_front;

@@ -39,7 +39,7 @@ typedef struct sp_zero_modes {
                            without friction. Those that are sums of spins are not counted again. */
     int64_t mechanisms; /* all others: several grains that move against each other */
     int64_t total;      /* the sum of these four; -1, like mechanisms, if they were not counted */
-    double below;       /* [sqrt(E* / rho)/d] */
+    double below;       /* frequencies below this one count as zero [sqrt(E* / rho)/d] */
 } sp_zero_modes;
 /* Counts the zero modes, with one factorization of K unless there are mechanisms or very soft modes. SP_EREFUSED if K
  * is not symmetric, for an unstable network, and if it cannot be decided whether a mode is a zero mode. */
@@ -53,15 +53,15 @@ enum { SP_MODES_DENSE_MAX = 20000 }; /* largest problem for the dense solver, in
  * displacement source.
  */
 typedef struct sp_modes {
-    int64_t n;             /* number of rows, n_rattler included */
-    int64_t n_rattler;     /* rows 0 .. n_rattler-1 are the zero modes of rattlers */
-    int64_t n_zero;        /* rows with omega = 0, n_rattler included */
-    sp_zero_modes zero;    /* zero modes of the whole spectrum, in the rows or not */
-    int64_t dofs;          /* length of an eigenvector: grains of the network times dof */
-    double *omega;         /* [n] */
-    double *error;         /* [n] upper bound of the error of omega */
-    double *a, *b;         /* [n] amplitudes at the source and at the detector; NULL without vectors; NAN if no spring
-                              leads to the bottom wall (a), to the top wall (b) */
+    int64_t n;          /* number of rows, n_rattler included */
+    int64_t n_rattler;  /* rows 0 .. n_rattler-1 are the zero modes of rattlers */
+    int64_t n_zero;     /* rows with omega = 0, n_rattler included */
+    sp_zero_modes zero; /* zero modes of the whole spectrum, in the rows or not */
+    int64_t dofs;       /* length of an eigenvector: grains of the network times dof */
+    double *omega;      /* [n] frequencies, ascending [sqrt(E* / rho)/d] */
+    double *error;      /* [n] upper bound of the error of omega [sqrt(E* / rho)/d] */
+    double *a, *b; /* [n] amplitudes at the source, NAN if no spring leads to the bottom wall; at the detector, NAN if
+                      no spring leads to the top wall. NULL without vectors */
     double *participation; /* [n] participation ratio (sum w)^2/(N sum w^2), w = |e|^2 of a grain, over the N grains of
                               the network (rattlers excluded; 1/N for a rattler's mode); NULL without vectors. It
                               has no error bound: that of a vector is about `residual` over the relative distance to
@@ -71,11 +71,12 @@ typedef struct sp_modes {
     double residual;      /* largest |A e - omega^2 e|/omega_max^2, A = M^(-1/2) K M^(-1/2); NAN without vectors */
     double orthogonality; /* largest |e_m . e_n - delta_mn|; NAN without vectors */
     int64_t first;        /* number of modes of the whole spectrum below row 0, zero modes included */
-    sp_modes_solver solver;              /* the one that was used */
-    double certified_from, certified_to; /* no mode between these frequencies is missing: all modes were found (dense),
-                                            or the inertia of K - omega^2 M at both ends gives their number (sparse) */
-    int64_t on_edge;                     /* modes within their own error of an end of the band; these are included */
-    int64_t factors, solves;             /* sparse: factorizations, and right-hand sides solved */
+    sp_modes_solver solver; /* the one that was used */
+    double certified_from,
+        certified_to; /* first; last of the frequencies between which no mode is missing: all modes were found (dense),
+                         or the inertia of K - omega^2 M at both ends gives their number (sparse) [sqrt(E* / rho)/d] */
+    int64_t on_edge;  /* modes within their own error of an end of the band; these are included */
+    int64_t factors, solves; /* sparse: factorizations, and right-hand sides solved */
 } sp_modes;
 
 SP_API sp_modes sp_modes_none(void);
@@ -121,10 +122,11 @@ enum { SP_DAMPED_MODES_MAX = 2000 }; /* largest problem, in degrees of freedom *
  * are excluded. If no two lambda coincide, the signal is F(t) = sum exp(-decay t) (cosine cos(omega t) + sine sin(omega
  * t)): the force of springs and dashpots on the top wall after a pulse at the whole bottom wall. */
 typedef struct sp_damped_modes {
-    int64_t n;
-    double *omega, *decay; /* [n] */
+    int64_t n;             /* rows: pairs of complex lambda, and real ones */
+    double *omega, *decay; /* [n] imaginary part of lambda; minus its real part [sqrt(E* / rho)/d] */
     double *cosine, *sine; /* [n] amplitudes of the signal */
-    double *error;         /* [n] error of lambda: first order in rounding, or second order where two lambda coincide */
+    double *error; /* [n] error of lambda: first order in rounding, or second order where two lambda coincide [sqrt(E* /
+                      rho)/d] */
     double residual; /* largest |(lambda^2 M + lambda C + K) u|/((|lambda|^2 + |lambda| c + omega_max^2) |u|) in the
                         metric of the masses; c: the largest eigenvalue of M^-1 C */
 } sp_damped_modes;
@@ -152,7 +154,7 @@ typedef enum sp_modes_verdict {
 /* Stability of M u'' = -K u, with or without prestress. Let omega^2 be an eigenvalue of M^-1 K. If it is negative, a
  * motion diverges; a complex pair gives oscillations that grow (flutter). */
 typedef struct sp_stability {
-    sp_modes_verdict verdict;
+    sp_modes_verdict verdict; /* stable, unstable, or undecided */
     bool dense;   /* all eigenvalues were computed, each with a disc that contains it; false: only counts by the inertia
                      of the symmetric part */
     int64_t dofs; /* degrees of freedom of the network */

@@ -36,11 +36,11 @@ SP_API sp_network_options sp_network_options_default(void);
 
 /* A spring. The relative displacement at the contact point is B u = (u_j - u_i) - (rotations times lever arms). */
 typedef struct sp_spring {
-    int32_t i, j;    /* grains of the network (0 .. n-1); j may be a wall, SP_BOTTOM .. SP_BACK (fixed) */
+    int32_t i, j;    /* grain of the network (0 .. n-1); another, or a wall, SP_BOTTOM .. SP_BACK (fixed) */
     int32_t contact; /* its index in the packing */
     double n[3];     /* unit normal from i to j */
-    double kn, kt;   /* normal and tangential stiffness [E* d] */
-    double kp;       /* transverse stiffness of the prestress, -F_n / r; 0 without prestress */
+    double kn, kt;   /* normal stiffness; tangential stiffness [E* d] */
+    double kp;       /* transverse stiffness of the prestress, -F_n / r, 0 without prestress [E* d] */
     double ri, rj;   /* lever arms: the radii; rj = 0 for a rigid wall [d] */
 } sp_spring;
 
@@ -54,18 +54,18 @@ typedef struct sp_carried {
 /* A network. Degrees of freedom per grain: 1 in 1D; 3 in 2D (x, y, angle), or 2 without friction; 6 in 3D, or 3.
  * Translations come first, then rotations. Vectors over the network are [n][dof]. */
 typedef struct sp_network {
-    int dim, dof;
+    int dim, dof;  /* dimension; degrees of freedom of a grain */
     int32_t n;     /* force-carrying grains */
     int32_t n_all; /* grains of the packing */
     int32_t rattlers;
     int32_t n_springs;
-    int32_t *grain; /* [n] index in the packing */
-    double *mass;   /* [n][dof] masses, then moments of inertia */
-    double *x;      /* [n][3] centres */
-    double *r;      /* [n] radii */
-    sp_spring *springs;
+    int32_t *grain;     /* [n] index in the packing */
+    double *mass;       /* [n][dof] masses [rho d^3], then moments of inertia */
+    double *x;          /* [n][3] centres [d] */
+    double *r;          /* [n] radii [d] */
+    sp_spring *springs; /* [n_springs] those between grains first */
     double box[3];
-    double pressure;
+    double pressure;     /* of the packing [E*] */
     int32_t n_bulk;      /* springs 0 .. n_bulk-1 join two grains, the others a grain and a wall */
     double *length;      /* [n_springs] distance of the centres, or of centre and wall [d] */
     bool prestress;      /* whether some kp is not 0 */
@@ -73,8 +73,8 @@ typedef struct sp_network {
     sp_carried *carried; /* [n_springs], or NULL if K is symmetric (no prestress, or no tangential forces at rest) */
     double skew;         /* result of sp_network_skew */
     double soft;         /* result of sp_network_soft */
-    sp_boundary cell;
-    double tilt[3]; /* as in sp_packing [d] */
+    sp_boundary cell;    /* what bounds the grains of the packing */
+    double tilt[3];      /* as in sp_packing [d] */
 } sp_network;
 
 SP_API sp_network sp_network_none(void);

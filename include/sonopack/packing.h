@@ -24,13 +24,13 @@ enum { SP_BOTTOM = -1, SP_TOP = -2, SP_LEFT = -3, SP_RIGHT = -4, SP_FRONT = -5, 
 
 /* A contact. For two grains i < j. In 2D ft = Ft (-ny, nx), where Ft is the scalar in text files. */
 typedef struct sp_contact {
-    int32_t i, j;   /* grain indices; j may be a wall: SP_BOTTOM .. SP_BACK */
+    int32_t i, j;   /* index of a grain; of another grain, or a wall, SP_BOTTOM .. SP_BACK */
     double n[3];    /* unit normal from i to j */
     double overlap; /* R_i + R_j - r_ij, or R_i - distance to the wall [d] */
     double fn;      /* normal elastic force, >= 0 in compression [E* d^2] */
     double ft[3];   /* tangential elastic force on i [E* d^2] */
-    double kn, kt;  /* normal and tangential stiffness [E* d], where they are measured or belong to another law;
-                       kn = 0 (then kt = 0): Hertz's and Mindlin's at this overlap */
+    double kn, kt;  /* normal stiffness; tangential stiffness, where they are measured or belong to another law.
+                       Both 0: Hertz's and Mindlin's at this overlap [E* d] */
 } sp_contact;
 
 /* Contact law at the walls. RIGID: a rigid plane (Hertz with R = inf and E* of one grain). GRAIN: the wall responds
@@ -69,8 +69,8 @@ typedef struct sp_packing {
     double *inertia;      /* [n] moments of inertia [rho d^5] */
     sp_contact *contacts; /* [n_contacts] sorted: pairs by (i, j), then the walls in the order of SP_BOTTOM .. SP_BACK,
                              each by i */
-    sp_boundary cell;
-    double box[3];  /* edges: periods, or distances of walls; box[dim-1] is the height; 1 on unused axes [d] */
+    sp_boundary cell;     /* what bounds the grains */
+    double box[3];        /* edges: periods, or distances of walls; box[dim-1] is the height; 1 on unused axes [d] */
     double tilt[3]; /* PERIODIC: xy, xz, yz of the lattice vectors (box[0], 0, 0), (xy, box[1], 0), (xz, yz, box[2]), at
                        most half of the edge in their direction; 0 for the other cells and on unused axes [d] */
     double pressure; /* force on the top wall over its area (2D: width x d; 1D: d^2); without a piston the mean of the
@@ -78,14 +78,13 @@ typedef struct sp_packing {
     double gravity;  /* acceleration against the up axis [E* / (rho d)] */
     double friction; /* Coulomb coefficient mu; 0: no tangential forces, no rotations */
     double poisson;  /* Poisson's ratio nu of the grain material */
-    sp_wall wall;
-    sp_material material;
-    /* provenance; 0, NAN or NULL if unknown (imported packings) */
-    uint64_t seed;
-    int64_t steps;   /* time steps of the compression */
-    double residual; /* largest elastic acceleration (angular: times R) at the end [E* / (rho d)] */
-    double seconds;  /* CPU time of the compression; not saved, so that equal packings give equal files */
-    char *scene;     /* complete scene as text (sp_scene_text); may be NULL */
+    sp_wall wall;    /* how the walls respond */
+    sp_material material; /* of the grains */
+    uint64_t seed;        /* of the random numbers; 0: unknown (imported packings), as NAN and NULL of what follows */
+    int64_t steps;        /* time steps of the compression */
+    double residual;      /* largest elastic acceleration (angular: times R) at the end [E* / (rho d)] */
+    double seconds;       /* CPU time of the compression [s]; not saved, so that equal packings give equal files */
+    char *scene;          /* complete scene as text (sp_scene_text) */
 } sp_packing;
 
 /* Returns an empty packing, which is safe to free. */
@@ -136,10 +135,10 @@ typedef struct sp_audit {
     int32_t missing;          /* overlaps that are not listed as contacts: of pairs, of grains and walls, and of grains
                                  with a second image of another or an image of themselves, which cannot be listed */
     int32_t carrying;         /* force-carrying contacts */
-    int32_t rattlers;
-    double inertia_excess; /* largest I/(m R^2) - 1, or 0: no mass lies outside of its grain */
-    double acceleration;   /* largest of a grain [E* / (rho d)], angular ones times R: sp_packing.residual without that
-                              of the cell */
+    int32_t rattlers;         /* grains without enough contacts to be held */
+    double inertia_excess;    /* largest I/(m R^2) - 1, or 0: no mass lies outside of its grain */
+    double acceleration; /* largest of a grain [E* / (rho d)], angular ones times R: sp_packing.residual without that
+                            of the cell */
 } sp_audit;
 
 /* Checks the structure of a packing: sizes, indices, finite numbers, unit normals, positive radii, grains inside the
@@ -168,17 +167,16 @@ typedef struct sp_statics {
         phi3s;         /* area fraction; volume fraction of a layer one diameter thick; the same without rattlers */
     double zs, f0;     /* force-carrying contacts per non-rattler grain; fraction of rattlers [percent] */
     double n_over_p;   /* mean normal force of carrying contacts over p d^2 */
-    double z2, z3;     /* <N^a>/<N>^a, Eq. (5) */
-    double f2, f2s;    /* <n_up^2>, Eq. (6), over all contacts, and over those above the mean force */
+    double z2, z3;     /* <N^2>/<N>^2, Eq. (5); the same with third powers */
+    double f2, f2s;    /* <n_up^2>, Eq. (6), over all contacts; over those above the mean force */
     double s1_over_s2; /* horizontal over vertical stress, from all carrying contacts, walls included */
-    /* Shear stress over vertical stress. Positive if the lower part pushes the upper part towards +x (s12) or +y (s32;
-     * NAN in two dimensions). */
-    double s12_over_s2, s32_over_s2;
+    double s12_over_s2, s32_over_s2; /* shear stress over vertical stress, positive if the lower part pushes the upper
+                                        part towards +x; the same towards +y, NAN in two dimensions */
     double
         mobilised; /* fraction of carrying contacts, walls included, with |F_t| >= 0.99 mu F_n; NAN without friction */
-    /* Mean stress of the whole packing, from all carrying contacts, walls included; positive in compression [E*]. NAN
-     * on axes that the packing does not have. */
-    double s_xx, s_yy, s_zz, s_yz, s_xz, s_xy;
+    double s_xx, s_yy, s_zz, s_yz, s_xz,
+        s_xy; /* mean stress of the whole packing on these axes, from all carrying contacts, walls included; positive in
+                 compression. NAN on axes that the packing does not have [E*] */
 } sp_statics;
 
 SP_API sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err);
@@ -279,10 +277,10 @@ SP_API sp_status sp_pack_spec_fill(const sp_pack_spec *spec, double height, int3
 
 /* Progress of a compression. The callback returns false to stop it (SP_EINTERRUPTED). */
 typedef struct sp_pack_progress {
-    const char *phase; /* "placing" (of many grains), "flight" (of the gas), "compaction" or "equilibration" */
-    int64_t steps;
-    double height, strain; /* strain: 1 - height / initial height */
-    double residual;       /* current largest elastic acceleration, compared with the tolerance */
+    const char *phase;     /* "placing" (of many grains), "flight" (of the gas), "compaction" or "equilibration" */
+    int64_t steps;         /* time steps so far */
+    double height, strain; /* distance of the walls [d]; 1 - height / initial height */
+    double residual;       /* current largest elastic acceleration, compared with the tolerance [E* / (rho d)] */
     double fraction;       /* estimated fraction of the work done, 0 .. 1 */
 } sp_pack_progress;
 typedef bool (*sp_pack_watch)(const sp_pack_progress *progress, void *user);

@@ -54,18 +54,18 @@ SP_API sp_signal_options sp_signal_options_default(void);
 SP_API sp_damping sp_signal_damping(const sp_signal_options *opt); /* the law of its dashpots */
 
 typedef struct sp_signal {
-    int32_t n;
-    int32_t sources, detectors;
-    double *t;               /* [n] */
-    double *f;               /* [sources][detectors][n] */
-    double *errors;          /* [sources][detectors] upper bounds of the error of f, absolute */
-    double error;            /* the largest of them */
-    double omega_max;        /* upper bound of the spectrum that was used */
-    int32_t products;        /* matrix products (0 for dense) */
-    double step;             /* time step; 0 for other methods */
-    double amplitude;        /* dynamics: factor of the first source; 0 for other methods */
-    sp_signal_method method; /* method that was used */
-    int64_t modes;           /* sparse: number of modes in the sum; 0 for other methods */
+    int32_t n;                  /* times */
+    int32_t sources, detectors; /* places of sources; of detectors */
+    double *t;                  /* [n] times [d/sqrt(E* / rho)] */
+    double *f;                  /* [sources][detectors][n] force on the detector minus its value at rest [E* d^2] */
+    double *errors;             /* [sources][detectors] upper bounds of the error of f, absolute [E* d^2] */
+    double error;               /* the largest of them [E* d^2] */
+    double omega_max;           /* upper bound of the spectrum that was used [sqrt(E* / rho)/d] */
+    int32_t products;           /* matrix products (0 for dense) */
+    double step;                /* time step; 0 for other methods [d/sqrt(E* / rho)] */
+    double amplitude;           /* dynamics: factor of the first source; 0 for other methods */
+    sp_signal_method method;    /* method that was used */
+    int64_t modes;              /* sparse: number of modes in the sum; 0 for other methods */
 } sp_signal;
 
 SP_API const char *sp_signal_method_name(sp_signal_method method); /* such as "chebyshev"; NULL for an unknown method */

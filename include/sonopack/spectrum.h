@@ -46,22 +46,21 @@ SP_API sp_dos_options sp_dos_options_default(void);
  * density. Kernel polynomials cannot distinguish zero modes from soft modes and smear them over the
  * kernel's width at 0. */
 typedef struct sp_dos {
-    int32_t bins;
-    sp_dos_method method;  /* method that was used */
-    double *edge;          /* [bins + 1] */
-    double *density;       /* [bins] mean over the bin: a histogram */
-    double *cumulative;    /* [bins] integral from 0 to the upper edge of the bin */
-    double *smooth;        /* [bins] density at the middle of the bin, smoothed by Jackson's kernel */
-    double *density_error, /* [bins] kpm: standard error, from the scatter over the random vectors; exact and count:
-                              upper bound */
-        *cumulative_error, *smooth_error;
-    double
-        resolution; /* standard deviation of the kernel at omega = 0; at omega, sqrt(1 - (omega/Omega)^2) times this */
-    double omega_max;   /* Omega, the upper bound of the spectrum */
+    int32_t bins;         /* of equal width */
+    sp_dos_method method; /* method that was used */
+    double *edge;         /* [bins + 1] edges of the bins [sqrt(E* / rho)/d] */
+    double *density;      /* [bins] mean over the bin: a histogram */
+    double *cumulative;   /* [bins] integral from 0 to the upper edge of the bin */
+    double *smooth;       /* [bins] density at the middle of the bin, smoothed by Jackson's kernel */
+    double *density_error, *cumulative_error, *smooth_error; /* [bins] kpm: standard error, from the scatter over the
+                                                                random vectors. exact and count: upper bound */
+    double resolution;  /* standard deviation of the kernel at omega = 0; at omega, sqrt(1 - (omega/Omega)^2) times this
+                           [sqrt(E* / rho)/d] */
+    double omega_max;   /* Omega, the upper bound of the spectrum [sqrt(E* / rho)/d] */
     sp_zero_modes zero; /* kpm: mechanisms and total are unknown, -1 */
     int64_t modes;      /* degrees of freedom of the network */
-    int64_t moments;
-    int32_t vectors; /* random vectors; 0 for the method exact */
+    int64_t moments;    /* of the kernel polynomial; 0 for other methods */
+    int32_t vectors;    /* random vectors; 0 for the method exact */
 } sp_dos;
 SP_API sp_dos sp_dos_none(void);
 /* SP_EINVAL for invalid options. SP_EREFUSED for an unstable network, and if the network is too large for the method
@@ -85,15 +84,15 @@ SP_API sp_transmission_options sp_transmission_options_default(void);
  * omega > 0 of g sin(omega t), with cos for a displacement source. It is 2/pi times the imaginary part of F^ (real part
  * for a displacement source). Computed from matrix products, without eigenvectors. */
 typedef struct sp_transmission {
-    int32_t n;
-    double *omega;   /* [n] */
-    double *density; /* [n] g */
-    double *re, *im; /* [n] F^ */
-    double *error;   /* [n] rounding error of re and im; smoothing is not counted as an error */
-    double
-        resolution; /* standard deviation of the kernel at omega = 0; at omega, sqrt(1 - (omega/Omega)^2) times this */
-    double omega_max; /* Omega, the upper bound of the spectrum */
-    int64_t moments;
+    int32_t n;         /* frequencies */
+    double *omega;     /* [n] frequencies [sqrt(E* / rho)/d] */
+    double *density;   /* [n] g, whose sine transform is the signal */
+    double *re, *im;   /* [n] real part of F^; imaginary part */
+    double *error;     /* [n] rounding error of re and im; smoothing is not counted as an error */
+    double resolution; /* standard deviation of the kernel at omega = 0; at omega, sqrt(1 - (omega/Omega)^2) times this
+                          [sqrt(E* / rho)/d] */
+    double omega_max;  /* Omega, the upper bound of the spectrum [sqrt(E* / rho)/d] */
+    int64_t moments;   /* of the expansion */
 } sp_transmission;
 SP_API sp_transmission sp_transmission_none(void);
 SP_API sp_status sp_transmission_make(const sp_network *net, const sp_transmission_options *opt, sp_transmission *out,
@@ -125,25 +124,27 @@ SP_API sp_dispersion_options sp_dispersion_options_default(void);
 /* One wave vector and polarization. The spectral function is S(k, omega) = <q| delta(omega - sqrt A) |q> with the wave
  * q as a mass-weighted unit vector. */
 typedef struct sp_dispersion_point {
-    sp_polarization polarization;
-    int32_t n;
-    double k;      /* wave number, the length of the wave vector [1/d] */
-    double rms;    /* sqrt(<omega^2>) = sqrt(q . A q), exact */
-    double spread; /* standard deviation of omega^2 over 2 rms, sqrt(|A q|^2 - rms^4)/(2 rms), exact */
+    sp_polarization polarization; /* of the wave */
+    int32_t n;                    /* wave number in units of the smallest */
+    double k;                     /* wave number, the length of the wave vector [1/d] */
+    double rms;                   /* sqrt(<omega^2>) = sqrt(q . A q), exact [sqrt(E* / rho)/d] */
+    double
+        spread;  /* standard deviation of omega^2 over 2 rms, sqrt(|A q|^2 - rms^4)/(2 rms), exact [sqrt(E* / rho)/d] */
     double peak; /* frequency of the maximum of the smoothed S cos(psi), sin(psi) = omega/Omega. The kernel has the same
-                    width in psi at all frequencies, so heights of peaks show their strength */
-    double half_width; /* half the width of that peak at half its height; NAN if S does not fall so low */
-    double resolution; /* standard deviation of the kernel at the peak */
+                    width in psi at all frequencies, so heights of peaks show their strength [sqrt(E* / rho)/d] */
+    double half_width; /* half the width of that peak at half its height; NAN if S does not fall so low [sqrt(E* /
+                          rho)/d] */
+    double resolution; /* standard deviation of the kernel at the peak [sqrt(E* / rho)/d] */
 } sp_dispersion_point;
 
 typedef struct sp_dispersion {
-    int32_t n;
+    int32_t n;                 /* waves */
     sp_dispersion_point *wave; /* [n] one for each polarization and wave number */
     int32_t profile;           /* number of frequencies: the middles of equal bins from 0 to omega_max */
-    double *omega;             /* [profile]; NULL for none */
+    double *omega;             /* [profile] frequencies of s [sqrt(E* / rho)/d] */
     double *s;                 /* [n][profile] S(k, omega), smoothed; its integral is 1 */
-    double omega_max;
-    int64_t moments;
+    double omega_max;          /* Omega, the upper bound of the spectrum [sqrt(E* / rho)/d] */
+    int64_t moments;           /* of the expansion */
 } sp_dispersion;
 SP_API sp_dispersion sp_dispersion_none(void);
 /* All polarizations that the network has. SP_EREFUSED for a wave with all grains at its nodes. */
@@ -155,10 +156,10 @@ SP_API void sp_dispersion_free(sp_dispersion *d);
 
 /* Participation ratios (sp_modes) of the modes in a bin of frequencies. Zero modes are excluded. */
 typedef struct sp_participation_bin {
-    double low, high; /* low < omega <= high */
-    int64_t modes;
-    double mean, sd; /* NAN without modes; sd also with a single mode */
-    double least, largest;
+    double low, high;      /* edge below, not included; edge above, included [sqrt(E* / rho)/d] */
+    int64_t modes;         /* their number */
+    double mean, sd;       /* mean of the ratios, NAN without modes; standard deviation, NAN for less than two */
+    double least, largest; /* smallest ratio; largest ratio */
 } sp_participation_bin;
 /* modes: with vectors. bins: of equal width from 0 to until (0: the largest frequency). out [bins]. */
 SP_API sp_status sp_participation(const sp_modes *modes, int32_t bins, double until, sp_participation_bin *out,
@@ -187,8 +188,8 @@ SP_API sp_harmonic_options sp_harmonic_options_default(void);
  * k is then negative if its phase runs downward. If alpha is within three errors of 0, the sign is chosen so that k >
  * 0. */
 typedef struct sp_wave_fit {
-    double k, k_err;         /* wave number [1/d]; the phase speed is omega/k */
-    double alpha, alpha_err; /* attenuation of the amplitude [1/d]; the decay length is 1/alpha */
+    double k, k_err;         /* wave number, omega over the phase speed; its standard error [1/d] */
+    double alpha, alpha_err; /* attenuation of the amplitude, one over the decay length; its standard error [1/d] */
     double misfit;           /* sum of squared deviations over the sum of squared forces */
 } sp_wave_fit;
 
@@ -199,14 +200,14 @@ SP_API void sp_wave_quality(double k, double k_err, double alpha, double alpha_e
 /* Steady response to driving with exp(i omega t): (K - omega^2 M + i omega C) u = p. F is the force of springs and
  * dashpots on the detector. It is the Fourier integral of F(t) exp(-i omega t) over t > 0 of the damped signal. */
 typedef struct sp_harmonic {
-    int32_t n, planes;
-    double *omega;      /* [n] */
+    int32_t n, planes;  /* frequencies; planes */
+    double *omega;      /* [n] frequencies [sqrt(E* / rho)/d] */
     double *f;          /* [n][2] F at the detector: real and imaginary part */
     double *error;      /* [n] upper bound of |error of F| */
-    double *height;     /* [planes] */
+    double *height;     /* [planes] above the bottom [d] */
     double *flux;       /* [n][planes][2] force through each plane, in the detector's component */
     double *flux_error; /* [n][planes] upper bound of its error */
-    sp_wave_fit *fit;   /* [n]; NAN if fewer than 5 planes are in the range */
+    sp_wave_fit *fit;   /* [n] fitted waves; NAN if fewer than 5 planes are in the range */
     int32_t refused;    /* with `keep': frequencies without results */
     char reason[256];   /* of the first of them; "" */
 } sp_harmonic;
@@ -237,18 +238,18 @@ SP_API sp_status sp_strip_modes(const sp_moduli *m, double phi3s, const double b
 
 /* A mode of the packing and the strip mode with which it overlaps most. */
 typedef struct sp_continuum_row {
-    int64_t n;    /* number in the whole spectrum, from 0; zero modes of rattlers come first */
-    double omega; /* frequency of the packing's mode */
-    int32_t n1, n2;
-    bool fast;
-    double omega_plane, omega_continuum;
+    int64_t n;                           /* number in the whole spectrum, from 0; zero modes of rattlers come first */
+    double omega;                        /* frequency of the packing's mode [sqrt(E* / rho)/d] */
+    int32_t n1, n2;                      /* wave number of the strip's mode along x; half waves between the walls */
+    bool fast;                           /* whether the faster of the two plane waves is nearer */
+    double omega_plane, omega_continuum; /* frequency of that plane wave; of the strip's mode [sqrt(E* / rho)/d] */
     double overlap; /* squared projection, in the metric of the masses, on the two degenerate modes of the strip (one
                        for n1 = 0) */
 } sp_continuum_row;
 typedef struct sp_continuum {
-    int32_t n;
+    int32_t n;             /* modes of the packing */
     sp_continuum_row *row; /* [n] in ascending order of omega */
-    sp_moduli moduli;
+    sp_moduli moduli;      /* of the strip */
 } sp_continuum;
 SP_API sp_continuum sp_continuum_none(void);
 /* Compares the `lowest` modes of a 2D packing, apart from its zero modes, with those of the strip. SP_EREFUSED in other

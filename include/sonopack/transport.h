@@ -85,13 +85,15 @@ typedef struct sp_spread_options {
 } sp_spread_options;
 SP_API sp_spread_options sp_spread_options_default(void);
 
+/* Diffusivity of energy from the spreading of random motions of a band of frequencies. */
 typedef struct sp_spread {
-    double omega, q;
+    double omega, q; /* frequency of the band [sqrt(E* / rho)/d]; wave number of the pattern [1/d] */
     double d;        /* diffusivity from the decay of f from `high` to `low` [d sqrt(E* / rho)] */
-    double d_err;    /* standard error over the random motions (jackknife) */
-    double d_shift;  /* d of the later half of ln f, minus d of the earlier half: near 0 if the energy diffuses */
-    double d_half;   /* d of a wave of half the length, minus d: near 0 if the energy diffuses */
-    double from, to; /* times of the fit */
+    double d_err;    /* standard error over the random motions (jackknife) [d sqrt(E* / rho)] */
+    double d_shift;  /* d of the later half of ln f, minus d of the earlier half: near 0 if the energy diffuses [d
+                        sqrt(E* / rho)] */
+    double d_half;   /* d of a wave of half the length, minus d: near 0 if the energy diffuses [d sqrt(E* / rho)] */
+    double from, to; /* first; last time of the fit [d/sqrt(E* / rho)] */
     double low;      /* f at the end of the fit: 0.2, or more where `until` came first */
     double drift;    /* largest relative change of the energy: rounding errors */
 } sp_spread;
@@ -116,17 +118,18 @@ typedef struct sp_kubo_options {
 } sp_kubo_options;
 SP_API sp_kubo_options sp_kubo_options_default(void);
 
+/* Diffusivity of energy from the modes of a band of frequencies. */
 typedef struct sp_kubo {
-    double omega;
-    double d;       /* diffusivity */
-    double d_err;   /* standard error over the modes of the band (jackknife with 8 groups) */
+    double omega;   /* frequency of the band [sqrt(E* / rho)/d] */
+    double d;       /* diffusivity [d sqrt(E* / rho)] */
+    double d_err;   /* standard error over the modes of the band (jackknife with 8 groups) [d sqrt(E* / rho)] */
     double d_shift; /* its change if delta is half as wide: near 0 if the choice does not matter, near d for waves that
                        are not scattered, negative for localised ones */
     double speed;   /* at which energy moves before it is scattered: root of the mean squared current over the energy,
                        in all directions; the sum over m goes over modes within 0.3 omega. In a lattice it is the root
-                       mean squared group velocity */
-    double speed_err;
-    double modes; /* number of modes in the band, sum_n g_n */
+                       mean squared group velocity [sqrt(E* / rho)] */
+    double speed_err; /* its standard error [sqrt(E* / rho)] */
+    double modes;     /* number of modes in the band, sum_n g_n */
 } sp_kubo;
 /* All but omega and modes are NAN with fewer than 10 modes in the band or fewer than 3 in the width of delta; d and
  * d_shift also if |d_shift| exceeds a third of d. */
@@ -148,12 +151,12 @@ SP_API sp_split_options sp_split_options_default(void);
 
 /* Parts of the energy, which add up to 1. */
 typedef struct sp_split {
-    double omega;
+    double omega;             /* frequency of the band [sqrt(E* / rho)/d] */
     sp_energy rest, rest_err; /* of random motions of all grains in the band about omega: each mode has the same energy
-                                 (that of modes falls off as in sp_spread_options). Standard errors over the motions */
-    sp_energy pulse, pulse_err; /* of the motion after an impulse at the bottom wall, filtered to the band: means over
-                                   the times, and standard errors from 8 parts of them. NAN without a bottom wall */
-    double from, until;
+                                 (that of modes falls off as in sp_spread_options); standard errors over the motions */
+    sp_energy pulse, pulse_err; /* of the motion after an impulse at the bottom wall, filtered to the band, NAN without
+                                   a bottom wall: means over the times; standard errors from 8 parts of them */
+    double from, until;         /* first; last of the times after the pulse [d/sqrt(E* / rho)] */
 } sp_split;
 /* SP_EINVAL for invalid options or a frequency that is not positive, SP_EREFUSED if K is not symmetric, if no mode is
  * near the frequency, and for an unstable network. */

@@ -75,8 +75,8 @@ typedef struct sp_uncertain {
     double first_order;           /* standard deviation to first order; NAN if there are no derivatives */
     double shift;                 /* of the mean to first order, from false contacts; NAN as above */
     double share[SP_ERROR_KINDS]; /* of each kind in the first-order variance, together 1; NAN as above */
-    double sd, sd_error;          /* standard deviation of the samples, and its standard error */
-    double bias, bias_error;      /* mean of the samples minus value, and its standard error */
+    double sd, sd_error;          /* standard deviation of the samples; its standard error */
+    double bias, bias_error;      /* mean of the samples minus value; its standard error */
     int32_t samples;              /* those that have a value */
     sp_linear linear;
 } sp_uncertain;
@@ -84,13 +84,13 @@ typedef struct sp_uncertain {
 typedef struct sp_uncertainty {
     int32_t n;
     sp_uncertain *quantity; /* [n] */
-    int32_t samples;        /* drawn */
+    int32_t samples;        /* sets of errors that were drawn */
     int32_t loose;          /* of these: no network, no front, or no moduli, because no springs connect the walls */
     int32_t candidates;     /* pairs that a missing contact may join */
     double overlap;         /* mean overlap of the carrying contacts without errors [d] */
-    double contacts, contacts_error; /* mean number of carrying contacts of the samples over that without errors, and
-                                        its standard error */
-    char why[SP_ERROR_TEXT];         /* reason of the first sample that has no value; or "" */
+    double contacts, contacts_error; /* mean number of carrying contacts of the samples over that without errors; its
+                                        standard error */
+    char why[SP_ERROR_TEXT];         /* reason of the first sample that has no value */
 } sp_uncertainty;
 
 SP_API sp_uncertainty sp_uncertainty_none(void);

@@ -25,7 +25,7 @@ def fronts(packing: Packing, amplitudes: npt.ArrayLike, **values: Any) -> list[A
     given = _core.floats(amplitudes, "amplitudes").ravel()
     out = ffi.new("sp_amplitude_front[]", len(given))
     call(lib.sp_amplitude_pulses, packing._c, _options(**values), len(given), _core.pointer_to(given), out, ffi.NULL)
-    return [_core.record(AmplitudeFront, out[k]) for k in range(len(given))]
+    return [_core.record(AmplitudeFront, out[k], packing.material) for k in range(len(given))]
 
 
 def planes(packing: Packing, amplitude: float, heights: npt.ArrayLike, **values: Any) -> list[AmplitudePlane]:
@@ -33,7 +33,7 @@ def planes(packing: Packing, amplitude: float, heights: npt.ArrayLike, **values:
     out = ffi.new("sp_amplitude_plane[]", len(given))
     call(lib.sp_amplitude_planes, packing._c, _options(**values), float(amplitude), len(given), _core.pointer_to(given),
          out, ffi.NULL)
-    return [_core.record(AmplitudePlane, out[k]) for k in range(len(given))]
+    return [_core.record(AmplitudePlane, out[k], packing.material) for k in range(len(given))]
 
 
 def burst(packing: Packing, amplitude: float, omega: float, cycles: int, count: int,
@@ -44,7 +44,7 @@ def burst(packing: Packing, amplitude: float, omega: float, cycles: int, count: 
     out, second = ffi.new("sp_amplitude_harmonics[]", max(n, 1)), ffi.new("sp_amplitude_second *")
     call(lib.sp_amplitude_bursts, packing._c, _options(**values), made, n,
          ffi.NULL if given is None else _core.pointer_to(given), out, second)
-    return [_core.record(AmplitudeHarmonics, out[k]) for k in range(n)], _core.record(AmplitudeSecond, second)
+    return [_core.record(AmplitudeHarmonics, out[k], packing.material) for k in range(n)], _core.record(AmplitudeSecond, second, packing.material)
 
 
 @documented("sp_solitary_make")

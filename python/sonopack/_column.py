@@ -18,7 +18,19 @@ from ._watch import Watch
 
 @dataclass(frozen=True)
 class ColumnRun:
-    """Motion of a column: y and v [times][particles + 1], the floor first, in cm and cm/s; taps: one result each."""
+    """Motion of a column (Blackmore et al. 2011). Made by column.run().
+
+    t: times [s]
+    y: heights of the floor and of the particles [times][particles + 1] [cm]
+    v: their velocities [times][particles + 1] [cm/s]
+    taps: the results of each tap
+    initial_energy: energy at the start [erg]
+    violated_at: first time at which particles have passed each other [s]; nan: never
+    violated: number of taps in which they have
+    events: contacts that closed or opened
+    steps: time steps
+    error: largest relative error of a step
+    """
 
     t: Floats
     y: Floats
@@ -36,8 +48,7 @@ class Column(_core.Owner):
     """A column of particles on a tapped floor, in cm, g and s.
 
     Keys are those of the group column of `sonopack help scene`: Column(taps=8, output="strobe"); from_ stands for from,
-    which Python keeps for itself. Column.read("file.cfg",
-    taps=8) reads them from a scene file first.
+    which Python keeps for itself. Column.read("file.cfg", taps=8) reads them from a scene file first.
     """
 
     _type = "sp_scene"
@@ -48,7 +59,8 @@ class Column(_core.Owner):
     def _load(self, path: Path | None, keys: dict[str, Any]) -> None:
         self._c = _core.new("sp_scene", lib.sp_scene_free, lib.sp_scene_default)
         count, array, kept = _scene.overrides({f"column.{name.rstrip('_')}": value for name, value in keys.items()})
-        call(lib.sp_scene_read_tapped, c_path(path) if path is not None else ffi.NULL, count, array, self._c)
+        with _core.without_place():
+            call(lib.sp_scene_read_tapped, c_path(path) if path is not None else ffi.NULL, count, array, self._c)
         del kept
 
     @classmethod
@@ -60,6 +72,7 @@ class Column(_core.Owner):
 
     @property
     def particles(self) -> int:
+        """Number of particles above the floor."""
         return int(self._c.tapped.particles)
 
     @property
@@ -74,7 +87,7 @@ class Column(_core.Owner):
 
     @property
     def stiffness(self) -> float:
-        """K [g/s^2]."""
+        """Stiffness K of a contact [g/s^2]."""
         return float(lib.sp_tapped_stiffness(self._spec()))
 
     def _spec(self) -> Any:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import difflib
 import importlib
 import os
 import pathlib
@@ -20,7 +21,7 @@ from typing import Any, NoReturn
 from . import __version__
 from ._core import SonopackError, Status, invalid
 from ._records import Material
-from ._scene import Scene, SceneText
+from ._scene import Scene, SceneText, scene_help
 from ._table import Table, material_of, quantity
 
 DONE, FAILED, USAGE = 0, 1, 2
@@ -171,12 +172,22 @@ def amount(name: str, text: str, unit: str, span: tuple[float, float], material:
 
 
 def _setting(text: str, groups: Sequence[str]) -> tuple[str, Any]:
-    key, equals, value = text.partition("=")
+    key, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not key:
         raise usage(f"--set {text:.60}: must be KEY=VALUE")
     if "." in key and key.split(".")[0] not in groups:
         raise usage(f"--set {text:.60}: must be a key of {' or '.join(groups)}")
-    return key.strip(), SceneText(value.strip())
+    return key if "." in key else _whole_key(key, groups), SceneText(value)
+
+
+def _whole_key(key: str, groups: Sequence[str]) -> str:
+    """The key of these groups that is given without its group."""
+    keys = {name: f"{group}.{name}" for group, name in re.findall(r"^(\w+)\.(\w+) =", scene_help(), re.M) if group in groups}
+    if key not in keys:
+        near = difflib.get_close_matches(key, keys, 1)
+        hint = f": did you mean {keys[near[0]]}?" if near else f" of {' or '.join(groups)}"
+        raise usage(f"--set {key:.60}: unknown key{hint}")
+    return keys[key]
 
 
 # ---- messages -------------------------------------------------------------------------------------------------------

@@ -1,12 +1,14 @@
 """What all parts stand on: calls of the C library, its errors, words for its enums, and arrays on its memory."""
 from __future__ import annotations
 
+import contextlib
 import enum
 import inspect
 import math
 import os
+import re
 import textwrap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Generic, TypeVar, overload
 
 import numpy as np
@@ -14,7 +16,8 @@ import numpy.typing as npt
 
 from . import _records
 from ._native import ffi, lib
-from ._reference import COMMENTS
+from ._reference import COMMENTS, UNITS
+from ._si import Members, converted, in_si
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
@@ -108,6 +111,19 @@ def call(function: Callable[..., int], *arguments: Any) -> None:
         check(status, err)
 
 
+KEYWORDS = "keywords"  # the name of the text of a scene that was made from them
+
+
+@contextlib.contextmanager
+def without_place(name: str = KEYWORDS) -> Iterator[None]:
+    """Errors without the place in a text that the caller has never seen, or an option of the command's: of keywords."""
+    try:
+        yield
+    except SonopackError as fault:
+        text = re.sub(rf"^(--set|{KEYWORDS}(:\d+)?): " if name == KEYWORDS else "^--set: ", "", str(fault))
+        raise type(fault)(text, fault.status, fault.key) from None
+
+
 # ---- words ----------------------------------------------------------------------------------------------------------
 
 def _common(names: Sequence[str]) -> str:
@@ -152,10 +168,17 @@ def value_of(ctype: Any, value: Any) -> Any:
     return value
 
 
-def record(cls: type[_T], struct: Any) -> _T:
-    """The dataclass of a struct; its fields have the names of the header."""
+def record(cls: type[_T], struct: Any, material: Any = None) -> _T:
+    """The dataclass of a struct; its fields have the names of the header. material: for its si()."""
     fields = ffi.typeof(struct).fields if ffi.typeof(struct).kind == "struct" else ffi.typeof(struct).item.fields
-    return cls(*(value_of(member.type, getattr(struct, name)) for name, member in fields))
+    made = cls(*(value_of(member.type, getattr(struct, name)) for name, member in fields))
+    return made if material is None else with_material(made, material)
+
+
+def with_material(result: _T, material: Any) -> _T:
+    """A record that knows the material of its grains, for si()."""
+    object.__setattr__(result, "_material", material)
+    return result
 
 
 def set_fields(struct: Any, values: Mapping[str, Any]) -> None:
@@ -175,12 +198,12 @@ def set_fields(struct: Any, values: Mapping[str, Any]) -> None:
 
 
 def documented(c_name: str) -> Callable[[_T], _T]:
-    """Adds the comment of the C header to a docstring."""
+    """Adds the comment of the C header to a docstring, and the name of what it is about in C."""
 
     def add(target: _T) -> _T:
         own, _ = COMMENTS.get(c_name, ("", {}))
         if own:
-            text = textwrap.fill(f"{c_name}: {own}", 110)
+            text = textwrap.fill(f"{own} (C: {c_name})", 110)
             target.__doc__ = f"{inspect.cleandoc(target.__doc__ or '')}\n\n{text}"
         return target
 
@@ -274,13 +297,47 @@ class Owner:
     _c: Any
 
     def __init_subclass__(cls) -> None:
-        if cls._type and COMMENTS.get(cls._type, ("", {}))[0]:
+        if cls._type:
             documented(cls._type)(cls)
 
     def _make(self, *given: Any) -> None:
         """Makes the struct from what its sp_..._make takes before it."""
         self._c = new(self._type, getattr(lib, f"{self._type}_free"), getattr(lib, f"{self._type}_none"))
         call(getattr(lib, f"{self._type}_make"), *given, self._c)
+
+
+class Result(Owner):
+    """An owner of numbers with units, whose members are fields of the struct."""
+
+    def _members(self) -> dict[str, Any]:
+        """The fields that have been computed."""
+        names = [name for name, field in vars(type(self)).items() if isinstance(field, _Field)]
+        return {name: getattr(self, name) for name in names if hasattr(self, name)}
+
+    def _known_material(self) -> Any:
+        """The material of the packing of which this is a result, if any."""
+        of = getattr(self, "network", self)
+        return getattr(getattr(of, "packing", of), "material", None)
+
+    def si(self, material: Any = None) -> Members:
+        """The members in SI units (m, s, kg, N, Pa), as copies. material: of the grains, by default that of the packing of
+        which this is a result. InvalidInput (key "material") if it is not known."""
+        material, units = material or self._known_material(), UNITS.get(self._type, {})
+        found = {}
+        for name, value in self._members().items():
+            ctype = dict(ffi.typeof(self._type).fields)[name.rstrip("_")].type
+            inner = UNITS.get(ctype.item.cname.removeprefix("struct "), {}) if ctype.kind == "pointer" else {}
+            found[name] = converted(value, units.get(name.rstrip("_"), ""), inner, material)
+        return Members(type(self).__name__, found, {name: in_si(units[name], material)[1] for name in found if name in units})
+
+    def __repr__(self) -> str:
+        shown = []
+        for name, value in self._members().items():
+            if isinstance(value, np.ndarray):
+                shown.append(f"{name} {list(value.shape)}")
+            elif isinstance(value, float) or (isinstance(value, (int, str)) and value != ""):
+                shown.append(f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}")
+        return f"<{type(self).__name__}: {', '.join(shown)}>"
 
 
 class _Field:

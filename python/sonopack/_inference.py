@@ -48,7 +48,7 @@ class Uncertain:
         return f"<{self.name} = {self.value:.6g}: sd {self.sd:.2g}, bias {self.bias:.2g}, linear: {self.linear}>"
 
 
-class Uncertainty(_core.Owner, Mapping[str, Uncertain]):
+class Uncertainty(_core.Result, Mapping[str, Uncertain]):
     """Errors of the sound of a measured packing, by the names of the quantities. Made by uncertainty()."""
 
     _type = "sp_uncertainty"
@@ -62,6 +62,7 @@ class Uncertainty(_core.Owner, Mapping[str, Uncertain]):
 
     def __init__(self, packing: Packing, options: Any) -> None:
         self._make(packing._c, options)
+        self.packing = packing
         self._names = {_core.text_of(self._c.quantity[k].name): k for k in range(self._c.n)}
 
     def __getitem__(self, name: str) -> Uncertain:
@@ -92,7 +93,7 @@ def uncertainty(packing: Packing, *, measured: str = "forces", position: float =
     return Uncertainty(packing, options)
 
 
-class Design(_core.Owner):
+class Design(_core.Result):
     """Which grains to change, and the packing made of them. Made by design()."""
 
     _type = "sp_design"
@@ -137,7 +138,7 @@ def design(packing: Packing, goal: str, *, vary: str = "mass", limits: tuple[flo
     return Design(packing, options)
 
 
-class Coda(_core.Owner):
+class Coda(_core.Result):
     """Kernels of all grains: the derivatives of signals by the logarithm of the stiffness of a grain's contacts.
 
     t: times of the window. sources, detectors: places, as in network.signal(). grain: indices in the packing.

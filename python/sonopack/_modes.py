@@ -19,7 +19,7 @@ __all__ = ["DampedModes", "Modes", "Stability"]
 _NO_VECTORS = "frequencies only: ask for modes(vectors=True)"
 
 
-class Modes(_core.Owner):
+class Modes(_core.Result):
     """Modes of a network, sorted by omega; rattlers' zero modes come first. Made by network.modes().
 
     `vectors` [modes that are no rattlers'][n][dof] are weighted with the masses: displacement times sqrt(mass).
@@ -82,7 +82,7 @@ class Modes(_core.Owner):
             raise _core.invalid("bins", f"{bins}: must be 1 .. 1000000")
         out = ffi.new("sp_participation_bin[]", bins)
         call(lib.sp_participation, self._c, bins, until, out)
-        return [_core.record(ParticipationBin, out[k]) for k in range(bins)]
+        return [_core.record(ParticipationBin, out[k], self._known_material()) for k in range(bins)]
 
     @documented("sp_modes_save")
     def save(self, path: Path) -> None:
@@ -101,7 +101,7 @@ class Modes(_core.Owner):
         return f"<Modes: {self.n}, {self.n_zero} of them zero modes, omega {self.omega[0]:.6g} .. {self.omega[-1]:.6g}>"
 
 
-class DampedModes(_core.Owner):
+class DampedModes(_core.Result):
     """Modes with dashpots at all contacts. Made by network.damped_modes()."""
 
     _type = "sp_damped_modes"
@@ -115,6 +115,7 @@ class DampedModes(_core.Owner):
 
     def __init__(self, network: Network, damping: float | str, source: str) -> None:
         law = _core.damping_law(damping)
+        self.network = network
         self._c = _core.new("sp_damped_modes", lib.sp_damped_modes_free, lib.sp_damped_modes_none)
         call(lib.sp_damped_modes_with, network._c, law, _core.number_of("sp_source", source, "source"), self._c)
 

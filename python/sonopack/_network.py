@@ -14,6 +14,7 @@ from ._native import ffi, lib
 from ._modes import DampedModes, Modes, Stability
 from ._place import Where
 from ._sensitivity import Gradient
+from ._si import Members, factor
 from ._signal import Pulse, Signal
 from ._spectra import Continuum, Dispersion, DensityOfStates, Harmonic, Transmission, WaveSection
 
@@ -32,10 +33,17 @@ def _scipy_sparse() -> Any:
 
 
 class Elasticity:
-    """The stiffness tensor of a network. Made by network.elasticity(). c, error [strains][strains]: the tensor in Voigt's
-    notation and bounds of its errors [E*]; bulk, shear, anisotropy: of its isotropic part, each with an error."""
+    """The stiffness tensor of a network. Made by network.elasticity().
 
-    def __init__(self, c: Any) -> None:
+    c, error: the tensor in Voigt's notation, and bounds of its errors [strains][strains] [E*]
+    bulk, bulk_error: bulk modulus K, that of the tensor over all directions, and the bound of its error [E*]
+    shear, shear_error: the same for the shear modulus G [E*]
+    anisotropy, anisotropy_error: |c - isotropic part| over |c|, 0 if isotropic
+    residual: largest |K u - f|/|f| of the solves
+    """
+
+    def __init__(self, c: Any, material: Any = None) -> None:
+        self._material = material
         strains = int(c.strains)
         self.c: Floats = np.array([list(row) for row in c.c])[:strains, :strains]
         self.error: Floats = np.array([list(row) for row in c.error])[:strains, :strains]
@@ -44,8 +52,20 @@ class Elasticity:
         self.anisotropy, self.anisotropy_error = float(c.anisotropy), float(c.anisotropy_error)
         self.residual = float(c.residual)
 
+    def si(self, material: _records.Material | None = None) -> Members:
+        """The members in SI units, as copies; material: of the grains, by default that of the packing."""
+        scale = factor("E*", material or self._material)
+        pure = ("anisotropy", "anisotropy_error", "residual")
+        members = {name: value if name in pure else scale * value
+                   for name, value in vars(self).items() if name != "_material"}
+        return Members("Elasticity", members, {name: "Pa" for name in members if name not in pure})
 
-class Network(_core.Owner):
+    def __repr__(self) -> str:
+        return (f"<Elasticity: K = {self.bulk:.6g} E*, G = {self.shear:.6g} E*, anisotropy {self.anisotropy:.3g}, "
+                f"c {list(self.c.shape)}>")
+
+
+class Network(_core.Result):
     """The springs between the grains that carry force, with fixed walls or in a periodic cell: M u'' = -K u.
 
     Made by packing.network(). Vectors over the network are [n][dof]. The arrays are views, as those of a Packing.
@@ -187,7 +207,7 @@ class Network(_core.Owner):
         """Whether any motion grows."""
         out = ffi.new("sp_stability *")
         call(lib.sp_stability_make, self.packing._c, self._c, out)
-        return _core.record(Stability, out)
+        return _core.record(Stability, out, self.packing.material)
 
     # ---- waves ------------------------------------------------------------------------------------------------------
 
@@ -215,7 +235,7 @@ class Network(_core.Owner):
         """The first wave front at the top wall."""
         out = ffi.new("sp_front *")
         call(lib.sp_network_front, self._c, _core.number_of("sp_source", source, "source"), window, out)
-        return _core.record(_records.Front, out)
+        return _core.record(_records.Front, out, self.packing.material)
 
     @documented("sp_signal_field")
     def field(self, times: npt.ArrayLike, *, source: str = "impulse", at: Where | None = None, threads: int = 1,
@@ -244,14 +264,14 @@ class Network(_core.Owner):
         """Elastic moduli and speeds of long waves. margin: layers at the walls that do not count for the density."""
         out = ffi.new("sp_moduli *")
         call(lib.sp_moduli_make, self._c, self._density(margin), out)
-        return _core.record(_records.Moduli, out)
+        return _core.record(_records.Moduli, out, self.packing.material)
 
     @documented("sp_elasticity_make")
     def elasticity(self, margin: float = 3.0) -> Elasticity:
         """The whole stiffness tensor, with the bulk and shear modulus of its isotropic part."""
         out = ffi.new("sp_elasticity *")
         call(lib.sp_elasticity_make, self._c, self._density(margin), ffi.NULL, out)
-        return Elasticity(out)
+        return Elasticity(out, self.packing.material)
 
     @documented("sp_moduli_probe")
     def probes(self, probes: Sequence[tuple[str, int]], margin: float = 3.0) -> list[_records.ProbeModuli]:
@@ -262,7 +282,7 @@ class Network(_core.Owner):
         out = ffi.new("sp_probe_moduli[]", len(probes))
         phi3s = self.packing.statics(self._options.threshold, margin).phi3s
         call(lib.sp_moduli_probe, self._c, phi3s, len(probes), array, ffi.NULL, out)
-        return [_core.record(_records.ProbeModuli, out[k]) for k in range(len(probes))]
+        return [_core.record(_records.ProbeModuli, out[k], self.packing.material) for k in range(len(probes))]
 
     @documented("sp_moduli_finite_strain")
     def finite_strain(self, strain: float = 1e-6, *, turning: bool = True, margin: float = 3.0) -> _records.FiniteStrain:
@@ -271,7 +291,7 @@ class Network(_core.Owner):
         _core.set_fields(options, {"strain": float(strain), "turning": turning})
         out = ffi.new("sp_finite_strain *")
         call(lib.sp_moduli_finite_strain, self.packing._c, self._c, self._density(margin), options, out)
-        return _core.record(_records.FiniteStrain, out)
+        return _core.record(_records.FiniteStrain, out, self.packing.material)
 
     # ---- sensitivities ----------------------------------------------------------------------------------------------
 
@@ -387,7 +407,7 @@ class Network(_core.Owner):
         call(lib.sp_spread_make, self._c, omega,
              _core.options_of("sp_spread_options", {"axis": axis, "width": width, "waves": waves, "sources": sources,
                                                     "seed": seed, "until": until}), out)
-        return _core.record(_records.Spread, out)
+        return _core.record(_records.Spread, out, self.packing.material)
 
     @documented("sp_kubo_make")
     def kubo(self, modes: Modes, omega: float, *, axis: int | None = None, width: float | None = None,
@@ -396,7 +416,7 @@ class Network(_core.Owner):
         out = ffi.new("sp_kubo *")
         call(lib.sp_kubo_make, self._c, modes._c, 1, ffi.new("double *", omega),
              _core.options_of("sp_kubo_options", {"axis": axis, "width": width, "smear": smear}), out)
-        return _core.record(_records.Kubo, out)
+        return _core.record(_records.Kubo, out, self.packing.material)
 
     @documented("sp_split_make")
     def split(self, omega: float, *, width: float | None = None, sources: int | None = None, seed: int | None = None,
@@ -405,7 +425,7 @@ class Network(_core.Owner):
         out = ffi.new("sp_split *")
         call(lib.sp_split_make, self._c, omega,
              _core.options_of("sp_split_options", {"width": width, "sources": sources, "seed": seed, "from": start}), out)
-        return _core.record(_records.Split, out)
+        return _core.record(_records.Split, out, self.packing.material)
 
     @documented("sp_network_dashpots")
     def damping(self, damping: float | str) -> Network:

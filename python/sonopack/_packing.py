@@ -27,7 +27,7 @@ BACK = int(lib.SP_BACK)
 CONTACT = _core.dtype_of("sp_contact")
 
 
-class Packing(_core.Owner):
+class Packing(_core.Result):
     """Grains at rest under pressure, and their contacts.
 
     Lengths are in mean grain diameters d, pressures in E*, forces in E* d^2, times in d / sqrt(E* / rho). The arrays are
@@ -233,14 +233,14 @@ class Packing(_core.Owner):
         """Checks the physics: balance of forces and torques, Coulomb's law, walls, contacts against positions."""
         out = ffi.new("sp_audit *")
         call(lib.sp_packing_audit, self._c, threshold, out)
-        return _core.record(Audit, out)
+        return _core.record(Audit, out, self.material)
 
     @documented("sp_statics")
     def statics(self, threshold: float = 1e-4, margin: float = 3.0) -> Statics:
         """Densities, contacts, forces and stress, averaged over the bulk."""
         out = ffi.new("sp_statics *")
         call(lib.sp_statics_make, self._c, threshold, margin, out)
-        return _core.record(Statics, out)
+        return _core.record(Statics, out, self.material)
 
     @documented("sp_packing_rattlers")
     def rattlers(self, threshold: float = 1e-4) -> npt.NDArray[np.bool_]:
@@ -292,6 +292,9 @@ class Packing(_core.Owner):
                    tolerance: float | None = None) -> tuple[list[AmplitudeHarmonics], AmplitudeSecond]:
         """The harmonics of a burst at planes, `planes` equal distances or these heights, and what they tell together."""
         return _amplitude.burst(self, amplitude, omega, cycles, planes, heights, tolerance=tolerance)
+
+    def _known_material(self) -> Material:
+        return self.material
 
     def __len__(self) -> int:
         return self.n

@@ -11,8 +11,15 @@ from ._native import ffi
 
 @dataclass(frozen=True)
 class Place:
-    """Place of a source or detector: wall() (the bottom for a source, the top for a detector), part(from, to) of that
-    wall, grain(i), or plane(height), for detectors only. shear: along x in place of the normal."""
+    """Place of a source or detector: Place.wall(), part(low, high), grain(index) or plane(height).
+
+    kind: wall, part, grain or plane
+    shear: along x in place of the normal
+    low: of a part: its left end [d]
+    high: of a part: its right end [d]
+    height: of a plane [d]
+    index: of a grain, in the packing
+    """
 
     kind: str = "wall"
     shear: bool = False
@@ -23,18 +30,22 @@ class Place:
 
     @classmethod
     def wall(cls, shear: bool = False) -> Place:
+        """A whole wall: the bottom for a source, the top for a detector."""
         return cls("wall", shear)
 
     @classmethod
     def part(cls, low: float, high: float, shear: bool = False) -> Place:
+        """The part of that wall from low to high [d]."""
         return cls("part", shear, low=low, high=high)
 
     @classmethod
     def grain(cls, index: int, shear: bool = False) -> Place:
+        """One grain, by its index in the packing."""
         return cls("grain", shear, index=index)
 
     @classmethod
     def plane(cls, height: float, shear: bool = False) -> Place:
+        """A plane at a height [d]: the flux of momentum through it; in periodic cells for sources too."""
         return cls("plane", shear, height=height)
 
     @classmethod
@@ -57,7 +68,7 @@ class Place:
             pass
         raise _core.invalid("place", f"{text!r}: must be top, bottom, part:X0:X1, grain:I or plane:Y, then :shear or not")
 
-    def write(self, to: Any) -> None:
+    def _write(self, to: Any) -> None:
         _core.set_fields(to, {"kind": self.kind, "shear": self.shear, "height": float(self.height)})
         setattr(to, "from", float(self.low))
         to.to = float(self.high)
@@ -76,7 +87,7 @@ def place(where: Where) -> Place:
 
 def one(where: Where) -> Any:
     struct = ffi.new("sp_place *")
-    place(where).write(struct)
+    place(where)._write(struct)
     return struct
 
 
@@ -87,5 +98,5 @@ def several(where: Where | Iterable[Where] | None) -> tuple[int, Any]:
     places: Sequence[Place] = [place(where)] if isinstance(where, (str, Place)) else [place(each) for each in where]
     array = ffi.new("sp_place[]", len(places))
     for k, each in enumerate(places):
-        each.write(array[k])
+        each._write(array[k])
     return len(places), array

@@ -71,16 +71,17 @@ class Scene(_core.Owner):
                  study: Keys | None = None, material: Keys | None = None) -> None:
         text = _text_of_groups({"material": material, "packing": packing, "network": network, "signal": signal,
                                 "study": study})
-        self._load(None, text or None, "keywords", {})
+        self._load(None, text or None, _core.KEYWORDS, {})
 
     def _load(self, path: Path | None, text: str | None, name: str, keys: Keys) -> None:
         self._source = (path, text, name, dict(keys))
         self._c = _core.new("sp_scene", lib.sp_scene_free, lib.sp_scene_default)
         count, array, kept = overrides(keys)
-        if text is not None:
-            call(lib.sp_scene_parse, text.encode(), name.encode(), count, array, self._c)
-        else:
-            call(lib.sp_scene_read, c_path(path) if path is not None else ffi.NULL, count, array, self._c)
+        with _core.without_place(name):
+            if text is not None:
+                call(lib.sp_scene_parse, text.encode(), name.encode(), count, array, self._c)
+            else:
+                call(lib.sp_scene_read, c_path(path) if path is not None else ffi.NULL, count, array, self._c)
         del kept
 
     @classmethod
@@ -92,7 +93,7 @@ class Scene(_core.Owner):
 
     @classmethod
     def parse(cls, text: str, keys: Keys | None = None, name: str = "text") -> Scene:
-        """The scene of a text in the syntax of scene files. name: what messages call it."""
+        """The scene of a text in the syntax of scene files. name: what messages call it, before the line."""
         scene = cls.__new__(cls)
         scene._load(None, text, name, keys or {})
         return scene

@@ -23,10 +23,21 @@ MODULI = ("C11", "C12", "C22", "C33", "C13", "C23", "C44", "C55", "C66", "cl", "
 
 
 class Gradient:
-    """Derivatives of one quantity. Made by network.sensitivity(). kn, kt: by the stiffness of each spring; mass, radius,
-    position [n][3]: of each grain of the network; pressure [1]. They are by the parameter itself: the command's by_kn is
-    by its logarithm, kn times this. Those not asked for are None. errors: bounds of their
-    errors, by the same names. homogeneity: what Euler's theorem leaves, which is 0 but for rounding."""
+    """Derivatives of one quantity, by the parameters themselves: the command's by_kn is by a logarithm, kn times this.
+    Those not asked for are None. Made by network.sensitivity().
+
+    value, error: the quantity, and the bound of its error
+    kn, kt: by the stiffness of each spring [springs]
+    mass, radius: by those of each grain of the network [n]
+    position: by its centre [n][3]
+    pressure: by the pressure [1]
+    errors: bounds of the errors of these, {name: array of the same shape}
+    homogeneity, homogeneity_size: what Euler's theorem leaves of its terms, 0 but for rounding; their size
+    """
+
+    def __repr__(self) -> str:
+        parts = [f"{name} {list(part.shape)}" for name in self.errors if (part := getattr(self, name)) is not None]
+        return f"<Gradient: value = {self.value:.6g}, error = {self.error:.2g}, by {', '.join(parts)}>"
 
     def __init__(self, c: Any) -> None:
         self.value, self.error = float(c.value), float(c.error)

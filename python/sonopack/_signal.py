@@ -12,6 +12,7 @@ from ._core import Array, Floats, Value, call, documented
 from ._native import ffi, lib
 from ._place import Where
 from ._records import Front
+from ._si import Members
 from ._table import Table
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def front(t: npt.ArrayLike, f: npt.ArrayLike, *, window: float | None = None, ri
 
 class Pulse:
     """Strength of a source against time, in place of the short pulse: Pulse.gauss(width), ricker(omega), sine(omega,
-    cycles), square(width), or table(t, s)."""
+    cycles), square(width), or table(t, s). Times are in d / sqrt(E* / rho), frequencies in sqrt(E* / rho) / d."""
 
     def __init__(self, kind: str, **values: float) -> None:
         self._c = ffi.new("sp_pulse *")
@@ -45,22 +46,27 @@ class Pulse:
 
     @classmethod
     def gauss(cls, width: float) -> Pulse:
+        """A Gaussian of this standard deviation."""
         return cls("gauss", width=width)
 
     @classmethod
     def ricker(cls, omega: float) -> Pulse:
+        """Ricker's wavelet, whose spectrum is largest at omega."""
         return cls("ricker", omega=omega)
 
     @classmethod
     def sine(cls, omega: float, cycles: float) -> Pulse:
+        """So many cycles of a sine."""
         return cls("sine", omega=omega, cycles=cycles)
 
     @classmethod
     def square(cls, width: float) -> Pulse:
+        """A constant strength for this time."""
         return cls("square", width=width)
 
     @classmethod
     def table(cls, t: npt.ArrayLike, s: npt.ArrayLike) -> Pulse:
+        """Strengths s at the times t, with straight lines between them."""
         pulse = cls("table")
         pulse._kept = [_core.floats(t, "t"), _core.floats(s, "s")]
         if pulse._kept[0].ndim != 1 or pulse._kept[0].shape != pulse._kept[1].shape:
@@ -69,13 +75,19 @@ class Pulse:
         pulse._c.t, pulse._c.s = (_core.pointer_to(each, "const double *") for each in pulse._kept)
         return pulse
 
+    def __repr__(self) -> str:
+        kind = _core.words("sp_pulse_kind")[int(self._c.kind)]
+        given = {"gauss": ("width",), "ricker": ("omega",), "sine": ("omega", "cycles"), "square": ("width",)}.get(kind, ())
+        values = ", ".join(f"{getattr(self._c, name):g}" for name in given)
+        return f"Pulse.{kind}({values or f'{self._c.n} times'})"
+
     @documented("sp_pulse_strength")
     def __call__(self, t: float) -> float:
         """s(t)."""
         return float(lib.sp_pulse_strength(self._c, t))
 
 
-class Signal(_core.Owner):
+class Signal(_core.Result):
     """The force on a detector after a pulse, at equally spaced times. Made by network.signal()."""
 
     _type = "sp_signal"
@@ -96,6 +108,7 @@ class Signal(_core.Owner):
     def __init__(self, network: Network, pulse: Pulse | None, sources: Where | Iterable[Where] | None,
                  detectors: Where | Iterable[Where] | None, values: dict[str, Any]) -> None:
         options = ffi.new("sp_signal_options *", lib.sp_signal_options_default())
+        self.network = network
         self._height, self._pressure = network.packing.height, network.packing.pressure
         options.until = lib.sp_signal_window(self._height, self._pressure)
         if values["method"] == "dynamics" and values["tolerance"] is None:
@@ -121,7 +134,14 @@ class Signal(_core.Owner):
     def front(self, source: int = 0, detector: int = 0, *, window: float | None = None) -> Front:
         """The first front of one of the signals, as `sonopack front` finds it in a table of `sonopack signal`."""
         usual = signal_window(self._height, self._pressure)
-        return front(self.t, self.f[source, detector], window=usual if window is None else window)
+        found = front(self.t, self.f[source, detector], window=usual if window is None else window)
+        return _core.with_material(found, self._known_material())
+
+    def si(self, material: Any = None) -> Members:
+        """The members and F in SI units (s, N, ...), as copies. material: of the grains, by default that of the packing."""
+        members = super().si(material)
+        members.__dict__["F"] = members.f.reshape(self.F.shape)
+        return members
 
     def table(self) -> Table:
         """Columns t and F (F1, F2, ... of several), with what `sonopack front` and `sonopack plot` need to know."""

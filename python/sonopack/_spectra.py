@@ -21,7 +21,7 @@ WAVE_FIT = _core.dtype_of("sp_wave_fit")
 CONTINUUM_ROW = _core.dtype_of("sp_continuum_row")
 
 
-class DensityOfStates(_core.Owner):
+class DensityOfStates(_core.Result):
     """Density of states. Made by network.dos(). Errors have the names of the numbers: density_error, ..."""
 
     _type = "sp_dos"
@@ -43,6 +43,7 @@ class DensityOfStates(_core.Owner):
 
     def __init__(self, network: Network, values: dict[str, Any]) -> None:
         options = _core.options_of("sp_dos_options", values)
+        self.network = network
         self._make(network._c, options)
 
     @property
@@ -52,7 +53,7 @@ class DensityOfStates(_core.Owner):
         return 0.5 * (edge[:-1] + edge[1:])
 
 
-class Transmission(_core.Owner):
+class Transmission(_core.Result):
     """Spectrum of the signal. Made by network.transmission()."""
 
     _type = "sp_transmission"
@@ -69,6 +70,7 @@ class Transmission(_core.Owner):
     def __init__(self, network: Network, at: Where | None, detector: Where | None, values: dict[str, Any]) -> None:
         options = _core.options_of("sp_transmission_options", values)
         _set_places(options, at, detector)
+        self.network = network
         self._make(network._c, options)
 
     @property
@@ -79,12 +81,12 @@ class Transmission(_core.Owner):
 
 def _set_places(options: Any, at: Where | None, detector: Where | None) -> None:
     if at is not None:
-        _place.place(at).write(getattr(options, "from"))
+        _place.place(at)._write(getattr(options, "from"))
     if detector is not None:
-        _place.place(detector).write(options.to)
+        _place.place(detector)._write(options.to)
 
 
-class Dispersion(_core.Owner):
+class Dispersion(_core.Result):
     """Waves of a network. Made by network.dispersion(). wave: one row (DISPERSION_POINT) for each polarization and
     number; s [waves][profile]: S(k, omega)."""
 
@@ -104,6 +106,7 @@ class Dispersion(_core.Owner):
         behind = 0.5 if standing and network.packing.wall == "grain" else 0.0
         node = behind if values["node"] is None else values["node"]
         options = _core.options_of("sp_dispersion_options", {**values, "up": up, "node": node})
+        self.network = network
         self._make(network._c, options)
 
     def polarization(self, row: int) -> str:
@@ -111,7 +114,7 @@ class Dispersion(_core.Owner):
         return _core.words("sp_polarization")[int(self.wave["polarization"][row])]
 
 
-class Harmonic(_core.Owner):
+class Harmonic(_core.Result):
     """Response to driving. Made by network.harmonic(). fit: one row (WAVE_FIT) for each frequency."""
 
     _type = "sp_harmonic"
@@ -133,6 +136,7 @@ class Harmonic(_core.Owner):
         if heights is not None:
             options.range = list(_core.pair(heights, "range"))
         _set_places(options, at, detector)
+        self.network = network
         self._make(network._c, options)
 
     @property
@@ -142,7 +146,7 @@ class Harmonic(_core.Owner):
         return force
 
 
-class Continuum(_core.Owner):
+class Continuum(_core.Result):
     """The lowest modes and those of an elastic strip. Made by network.continuum(). row: CONTINUUM_ROW."""
 
     _type = "sp_continuum"
@@ -151,12 +155,13 @@ class Continuum(_core.Owner):
     moduli = Value[Moduli]()
 
     def __init__(self, network: Network, density: float, lowest: int, solver: str) -> None:
+        self.network = network
         self._c = _core.new("sp_continuum", lib.sp_continuum_free, lib.sp_continuum_none)
         call(lib.sp_continuum_make, network._c, density, lowest, _core.number_of("sp_modes_solver", solver, "solver"),
              self._c)
 
 
-class WaveSection(_core.Owner):
+class WaveSection(_core.Result):
     """Signals at planes one above the other. Made by network.section()."""
 
     _type = "sp_coherent_section"
@@ -171,6 +176,7 @@ class WaveSection(_core.Owner):
 
     def __init__(self, network: Network, values: dict[str, Any]) -> None:
         options = _core.options_of("sp_coherent_section_options", values)
+        self.network = network
         self._make(network._c, options)
 
     @documented("sp_coherent_fit")
@@ -178,4 +184,4 @@ class WaveSection(_core.Owner):
         """The coherent wave at one frequency."""
         out = ffi.new("sp_coherent_wave *")
         call(lib.sp_coherent_fit, self._c, omega, out)
-        return _core.record(CoherentWave, out)
+        return _core.record(CoherentWave, out, self._known_material())

@@ -57,14 +57,17 @@ class Table(Mapping[str, npt.NDArray[Any]]):
 
     @property
     def names(self) -> list[str]:
+        """Names of the columns, in their order."""
         return [text_of(self._c.column[k].name) for k in range(self._c.columns)]
 
     @property
     def units(self) -> dict[str, str]:
+        """{column: unit}, "" for pure numbers and texts."""
         return {text_of(self._c.column[k].name): text_of(self._c.column[k].unit) for k in range(self._c.columns)}
 
     @property
     def rows(self) -> int:
+        """Number of rows."""
         return int(self._c.rows)
 
     def __getitem__(self, name: str) -> npt.NDArray[Any]:
@@ -99,10 +102,12 @@ class Table(Mapping[str, npt.NDArray[Any]]):
 
     @property
     def comments(self) -> list[str]:
+        """The lines behind '#', without it."""
         return [text_of(self._c.comment[k]) for k in range(self._c.comments)]
 
     @property
     def metadata(self) -> dict[str, str]:
+        """{key: text} of the comments "key = value"."""
         return {text_of(self._c.value[k].key): text_of(self._c.value[k].text) for k in range(self._c.values)}
 
     def number(self, key: str) -> float:

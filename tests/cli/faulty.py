@@ -1,5 +1,5 @@
 """What the tests of faulty calls share: short runs of every command, and what may come of one in which a call fails
-(faulty.c): a failure that is said, or what an undisturbed run gives."""
+(faults.c): a failure that is said, or what an undisturbed run gives."""
 import collections
 import errno
 import os
@@ -143,11 +143,6 @@ def made_inputs(folder, source):
         subprocess.run([COMMAND, *line.replace("{in}", str(folder)).split()], check=True, capture_output=True)
 
 
-def library(folder):
-    """The compiled faulty.c, or None where faults.c is not compiled either."""
-    return shim(folder, HERE / "faulty.c")
-
-
 def content(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
@@ -176,8 +171,8 @@ class Faulty:
         if "@store" in line:
             shutil.copytree(self.inputs / "store", self.work / "store")
         count = self.work.parent / "count"
-        environment = {**os.environ, "LC_ALL": "C", "LD_PRELOAD": str(self.preload), "FAULTY_CALL": kind,
-                       "FAULTY_DO": how, "FAULTY_ERROR": str(error), "FAULTY_AT": str(at), "FAULTY_COUNT": str(count)}
+        environment = {**os.environ, "LC_ALL": "C", "LD_PRELOAD": str(self.preload), "FAULTS_CALL": kind,
+                       "FAULTS_DO": how, "FAULTS_ERROR": str(error), "FAULTS_AT": str(at), "FAULTS_COUNT": str(count)}
         count.unlink(missing_ok=True)
         words = line.replace("@store", "store").split()
         if "--threads" not in line and words[0] not in ("help", "--version"):
@@ -242,7 +237,7 @@ def try_all(test):
     """Runs test(Faulty) in a new folder, and ends with what it found: exit status 0, 1, or 77 where it cannot run."""
     with tempfile.TemporaryDirectory(prefix="sonopack-faulty-") as folder:
         root = pathlib.Path(folder)
-        preload = library(root)
+        preload = shim(root)
         if not preload:
             print("no cc, or a build with sanitizers")
             sys.exit(77)

@@ -166,20 +166,20 @@ def stopped_at_random(reference, folder, signals, moments, seed):
 # ---- calls that fail ----------------------------------------------------------------------------------------------
 
 
-def shim(folder, source=pathlib.Path(__file__).with_name("faults.c")):
-    """The compiled faults.c, or another file; None: there is no compiler, or the command has the sanitizers, which are
-    to be first."""
+def shim(folder):
+    """The compiled faults.c; None: there is no compiler, or the command has the sanitizers, which are to be first."""
     compiler = shutil.which("cc")
     if not compiler or "libasan" in subprocess.run(["ldd", COMMAND], capture_output=True, text=True).stdout:
         return None
-    library = folder / f"{source.stem}.so"
+    source, library = pathlib.Path(__file__).with_name("faults.c"), folder / "faults.so"
     subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library, source, "-ldl"], check=True)
     return library
 
 
 def with_faults(library, command, store, do, at, count=None):
-    environment = {**ENVIRONMENT, "LD_PRELOAD": str(library), "FAULTS_DIR": str(store.resolve()), "FAULTS_DO": do,
-                   "FAULTS_AT": str(at)}
+    environment = {**ENVIRONMENT, "LD_PRELOAD": str(library), "FAULTS_DIR": str(store.resolve()), "FAULTS_AT": str(at),
+                   "FAULTS_CALL": "lock" if do == "ENOLCK" else "change",
+                   "FAULTS_ERROR": str(getattr(errno, do, do))}
     if count:
         environment["FAULTS_COUNT"] = str(count)
     return subprocess.run(command, capture_output=True, text=True, env=environment)
@@ -199,7 +199,8 @@ def calls_of(library, reference, folder, stage, do="KILL"):
     count, store = folder / "count", start_of(reference, folder, stage)
     done = with_faults(library, reference.command(store, stage, "--jobs", 1), store, do, 0, count)
     assert done.returncode == 0 and done.stdout == reference.stdout[stage], done
-    return int(count.read_text())
+    words = dict(line.split() for line in count.read_text().splitlines())
+    return int(words["lock" if do == "ENOLCK" else "change"])
 
 
 def killed_at(library, reference, folder, stage, do, at):

@@ -195,25 +195,6 @@ def whole(folder):
     return out, done.stdout
 
 
-def tables_of_the_document(folder, text):
-    """benchmarks/reproduction_tables: every claim with a number is in its table."""
-    (folder / "rows.tsv").write_text(text)
-    script = pathlib.Path(sys.argv[2]) / "benchmarks/reproduction_tables"
-    printed = subprocess.run([sys.executable, script, folder / "rows.tsv"], capture_output=True, text=True, check=True).stdout
-    claims = [row for row in rows_of(text) if row["item"] == "claims" and not math.isnan(row["paper"])]
-    table = printed[printed.index("<!-- blackmore claims -->"):printed.index("<!-- end blackmore claims -->")]
-    assert table.count("\n|") == len(claims) + 2, table
-    assert table.count("contradicted") == sum(row["verdict"] == "contradicted" for row in claims)
-    document = folder / "document.md"
-    document.write_text("before\n" + re.sub(r"<!-- (\w+ \w+) -->.*?<!-- end \1 -->", r"<!-- \1 -->\nold\n<!-- end \1 -->", printed,
-                                               flags=re.DOTALL) + "after\n")
-    subprocess.run([sys.executable, script, "--write", document, folder / "rows.tsv"], check=True)
-    assert document.read_text() == "before\n" + printed + "after\n"
-    document.write_text("no marks\n")
-    failed = subprocess.run([sys.executable, script, "--write", document, folder / "rows.tsv"], capture_output=True, text=True)
-    assert failed.returncode == 1 and names_all(failed.stderr, "0") and document.read_text() == "no marks\n"
-
-
 def parts(folder, out, text):
     """Items alone are the rows of the whole; a report is not overwritten; forms of table and figures."""
     wanted = ["errata", "symbols"]
@@ -257,7 +238,6 @@ def main():
     with tempfile.TemporaryDirectory(prefix="sonopack-blackmore-") as name:
         folder = pathlib.Path(name)
         out, text = whole(folder)
-        tables_of_the_document(folder, text)
         parts(folder, out, text)
         refused(folder, out)
 

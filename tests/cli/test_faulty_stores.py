@@ -14,8 +14,7 @@ import tempfile
 import h5py
 
 from common import PATIENCE, names_all, sleeps, wait_until
-from faulty import library
-from store_faults import ENVIRONMENT, SMALL, Reference, content, one_line, samples
+from store_faults import ENVIRONMENT, SMALL, Reference, content, one_line, samples, shim
 from streams import run
 
 # six good samples, made in one go
@@ -101,7 +100,7 @@ def newer_version(folder):
 
 def wrong_clock(folder):
     """The temporary file of another machine is left alone, even where this one's clock is a year ahead."""
-    preload = library(folder)
+    preload = shim(folder)
     if not preload:
         return "no cc, or a build with sanitizers"
     reference = Reference(folder / "clock", SIX, stages=((),))
@@ -110,8 +109,8 @@ def wrong_clock(folder):
     theirs = store / ".sonopack-00000000-1-1.tmp"
     for jump in ("AHEAD", "BACK"):
         theirs.write_text("being written")
-        environment = {**ENVIRONMENT, "LD_PRELOAD": str(preload), "FAULTY_CALL": "clock", "FAULTY_DO": "ON",
-                       "FAULTY_AT": "1", "FAULTY_ERROR": jump}
+        environment = {**ENVIRONMENT, "LD_PRELOAD": str(preload), "FAULTS_CALL": "clock", "FAULTS_DO": "ON",
+                       "FAULTS_AT": "1", "FAULTS_ERROR": jump}
         done = subprocess.run(reference.command(store, 0), capture_output=True, text=True, env=environment)
         assert done.returncode == 0 and done.stdout == reference.stdout[0], done
         assert theirs.exists(), jump

@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 COMMAND, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-PAGES = ("README.md", "docs/guide.md", "docs/units.md", "docs/view.md", "docs/export.md", "docs/foreign.md",
+PAGES = ("README.md", "docs/guide.md", "docs/units.md", "docs/view.md", "docs/figures.md", "docs/formats.md",
          "docs/sensitivity.md", "docs/uncertainty.md", "docs/design-waves.md", "docs/coda.md")
 
 

@@ -125,7 +125,7 @@ def check_wrong(scratch):
     for override, reason in (("packing.pressure=10", "packing.pressure 10"), ("packing.pressure", "packing.pressure"),
                              ("packing.pressure=abc", "packing.pressure abc"), ("packing.pressure=", "packing.pressure"),
                              ("packing.presure=1e-4", "packing.pressure"), ("=", ""),
-                             ("packing.width=3.9", "packing.width 3.9"), ("packing.seed=18446744073709551616", "64"),
+                             ("packing.width=3.9", "packing.width 3.9"), ("packing.seed=18446744073709551616", "9223372036854775807"),
                              ("packing.dimension=1", "packing.dimension 1"), ("packing.depth=6", "packing.depth 6"),
                              ("packing.diameter_file=absent.txt", "absent.txt No such file")):
         expect_refused(reason, "--set", override)

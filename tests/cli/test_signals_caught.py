@@ -6,13 +6,13 @@ usage: test_signals_caught.py COMMAND SOURCE_DIR
 import os
 import pathlib
 import resource
-import shutil
 import signal
 import subprocess
 import sys
 import tempfile
 
 from common import PATIENCE, catches, expect, faults, names_all, sleeps, wait_for_work, wait_until, worked
+from store_faults import shim
 
 COMMAND = str(pathlib.Path(sys.argv[1]).resolve())
 SMALL = ["--set", "packing.grains=60", "--set", "packing.width=8"]
@@ -104,8 +104,10 @@ def in_the_middle_of_a_write(folder, library):
         path.write_text("")
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGPIPE):
             # pack, which may have a state to save, goes on after the first signal
-            done = run(*words, "--force", "-o", path, env={**os.environ, "LD_PRELOAD": str(library), "RAISING_AT": "1",
-                                                          "RAISING_SIGNAL": str(number.value)})
+            done = run(*words, "--force", "-o", path, env={**os.environ, "LD_PRELOAD": str(library), "FAULTS_CALL": "write",
+                                                          "FAULTS_DIR": str(path.parent.resolve()), "FAULTS_AT": "1",
+                                                          "FAULTS_DO": "ONCE",
+                                                          "FAULTS_ERROR": f"SIGNAL{number.value}"})
             if words[0] != "pack":
                 expect(done.returncode == -number and path.read_text() == "", f"{name}, {number!r}: {done}")
             expect(not temporaries(path.parent), f"{name}, {number!r} leaves {temporaries(path.parent)}")
@@ -172,11 +174,8 @@ def main():
         phases_that_do_not_look(folder)
         waiting_for_a_pipe(folder)
         twice(folder)
-        compiler = shutil.which("cc")
-        if compiler and "libasan" not in subprocess.run(["ldd", COMMAND], capture_output=True, text=True).stdout:
-            library = folder / "raising.so"
-            subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library,
-                            pathlib.Path(__file__).with_name("raising.c"), "-ldl"], check=True)
+        library = shim(folder)
+        if library:
             in_the_middle_of_a_write(folder, library)
         storm(folder)
         hang_up(folder)

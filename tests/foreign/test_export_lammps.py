@@ -1,4 +1,4 @@
-"""LAMMPS reads the data files of `sonopack convert`, and finds our normal forces to 1e-10 by the deck of docs/export.md.
+"""LAMMPS reads the data files of `sonopack convert`, and finds our normal forces to 1e-10 by the deck of docs/formats.md.
 
 usage: test_export_lammps.py COMMAND SOURCE_DIR
 """
@@ -21,7 +21,7 @@ import numpy as np
 sys.path.insert(0, str(SOURCE / "tests" / "cli"))
 from cells import box_of_disks, lattice, write_packing  # noqa: E402
 
-DECKS = re.findall(r"```lammps\n(.*?)```", (SOURCE / "docs/export.md").read_text(), re.S)
+DECKS = re.findall(r"```lammps\n(.*?)```", (SOURCE / "docs/formats.md").read_text(), re.S)
 SIDES = DECKS[1]
 CASES = [("2D, rigid walls", "y", "2", {"grains": 200, "width": 12}),
          ("3D, rigid walls", "z", "2", {"dimension": 3, "grains": 200, "width": 6, "depth": 5}),

@@ -22,8 +22,7 @@ static sp_network chain_network(int n) {
 /* (C2): omega_n = 2 sqrt(K/m) sin(n pi/(2(N+1))), every one of them relative to itself, with vectors and without. The
  * lowest of 1000 is 1/640 of the highest: its square is right to 1e-13 although LAPACK's error is 1e-15 of the highest
  * square, which is 4e-10 of the lowest. */
-static void test_frequencies(void **state) {
-    (void)state;
+TEST(test_frequencies) {
     const int sizes[] = {1, 2, 5, 64, 333, 1000};
     for (size_t q = 0; q < sizeof sizes / sizeof *sizes; q++)
         for (int vectors = 0; vectors < 2; vectors++) {
@@ -49,8 +48,7 @@ static void test_frequencies(void **state) {
 }
 
 /* u_n(i) = sqrt(2/(N+1)) sin(n pi i/(N+1)). */
-static void test_vectors(void **state) {
-    (void)state;
+TEST(test_vectors) {
     enum { N = 100 };
     sp_network net = chain_network(N);
     const sp_modes_options o = sp_modes_options_default();
@@ -69,8 +67,7 @@ static void test_vectors(void **state) {
 
 /* (C4), (C5): F(t) = K u_N(t) with a_n^A = 2/(N+1) cos(k_n/2) v/(...) for a kick of the first ball, and a_n^B = 2/(N+1)
  * sin(k_n) for its displacement; here kick and displacement are K instead of 1. */
-static void test_signal(void **state) {
-    (void)state;
+TEST(test_signal) {
     enum { N = 50, POINTS = 301 };
     sp_network net = chain_network(N);
     const long double stiffness = net.springs[0].kn, mass = net.mass[0], rate = sqrtl(stiffness / mass);
@@ -124,8 +121,7 @@ static void exponents(sp_source source, int n, double *gamma, double *alpha) {
 
 /* Table III: gamma = 2/3 from a velocity, 1 from a displacement, alpha = 1/3, as N grows. Corrections to the Airy front
  * fall as N^(-1/3) at the slowest: to 0.63 of themselves where N is 4 times larger. */
-static void test_exponents(void **state) {
-    (void)state;
+TEST(test_exponents) {
     const double limit[] = {2.0 / 3, 1};
     const sp_source source[] = {SP_SOURCE_VELOCITY, SP_SOURCE_DISPLACEMENT};
     for (int q = 0; q < 2; q++) {
@@ -140,8 +136,4 @@ static void test_exponents(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_frequencies), cmocka_unit_test(test_vectors),
-                                       cmocka_unit_test(test_signal), cmocka_unit_test(test_exponents)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -10,8 +10,7 @@
  * the spring was cut at mu F_n a step ago, and F_n has changed since by the residual motion only. */
 static const double MASS = 1, EXCESS = 1e-6;
 
-static void test_rest(void **state) {
-    (void)state;
+TEST(test_rest) {
     const double pressure[] = {1e-4, 1e-5, 1e-6}, friction[] = {0.5, 0.1, 0};
     for (int k = 0; k < 9; k++) {
         sp_pack_spec spec = sp_pack_spec_default();
@@ -42,8 +41,7 @@ static bool count_calls(const sp_pack_progress *progress, void *user) {
     return true;
 }
 
-static void test_determinism(void **state) {
-    (void)state;
+TEST(test_determinism) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 80;
     spec.width = 10;
@@ -66,8 +64,7 @@ static bool stop_soon(const sp_pack_progress *progress, void *user) {
     return progress->steps < 4000;
 }
 
-static void test_stops(void **state) {
-    (void)state;
+TEST(test_stops) {
     sp_pack_spec spec = sp_pack_spec_default();
     sp_packing p = sp_packing_none();
     assert_fails(sp_packing_make(&spec, stop_soon, NULL, &p, &err), SP_EINTERRUPTED, "4000");
@@ -88,8 +85,7 @@ static void test_stops(void **state) {
 
 /* Protocols at the ends of their ranges end in packings like others: a piston lighter than a grain, one that falls for
  * long before it is carried, no phase with global damping, and no such damping in it. */
-static void test_odd_protocols(void **state) {
-    (void)state;
+TEST(test_odd_protocols) {
     sp_pack_spec base = sp_pack_spec_default();
     base.grains = 40;
     base.width = 6;
@@ -126,8 +122,7 @@ static void test_odd_protocols(void **state) {
 /* The default protocol is the motion of somfai2005 until the global damping begins (in 3D with the same time step):
  * without it they are the same bits, and with it the same material, in a narrow tall box too, where one that brakes
  * earlier makes another. Now and then a packing rearranges while it comes to rest, in one and not in the other. */
-static void test_one_material(void **state) {
-    (void)state;
+TEST(test_one_material) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_pack_spec one = sp_pack_spec_default();
         one.dim = dim;
@@ -160,8 +155,7 @@ static void test_one_material(void **state) {
     }
 }
 
-static void test_few_grains(void **state) {
-    (void)state;
+TEST(test_few_grains) {
     for (int n = 1; n <= 5; n++) {
         sp_pack_spec spec = sp_pack_spec_default();
         spec.grains = n;
@@ -176,10 +170,4 @@ static void test_few_grains(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rest),       cmocka_unit_test(test_determinism),   cmocka_unit_test(test_stops),
-        cmocka_unit_test(test_few_grains), cmocka_unit_test(test_odd_protocols), cmocka_unit_test(test_one_material),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -18,8 +18,7 @@ static void assert_spheres_at_rest(const sp_packing *p) {
     assert_at_rest(p, fmax(1, 4.2 * pow(largest, 3) / (mean * mean)), 1e-4);
 }
 
-static void test_rest(void **state) {
-    (void)state;
+TEST(test_rest) {
     const double pressure[] = {1e-4, 1e-4, 1e-5}, friction[] = {0.5, 0, 0.1};
     for (int k = 0; k < 3; k++) {
         sp_pack_spec spec = spheres(80, 5, friction[k], 300 + (uint64_t)k);
@@ -35,8 +34,7 @@ static void test_rest(void **state) {
 }
 
 /* A box that is no square, unequal and equal grains, no friction limit. */
-static void test_odd_spheres(void **state) {
-    (void)state;
+TEST(test_odd_spheres) {
     sp_pack_spec spec[4] = {spheres(60, 5, 0.5, 1), spheres(50, 5, 1e6, 2), spheres(40, 5, 0.3, 3),
                             spheres(2, 5, 0.5, 4)};
     spec[0].depth = 6.5;
@@ -52,8 +50,7 @@ static void test_odd_spheres(void **state) {
     }
 }
 
-static void test_determinism(void **state) {
-    (void)state;
+TEST(test_determinism) {
     const sp_pack_spec spec = spheres(60, 5, 0.5, 5);
     const sp_pack_hooks hooks = {.threads = 2};
     sp_packing p = make_packing(&spec), q = sp_packing_none();
@@ -68,8 +65,7 @@ static void test_determinism(void **state) {
 }
 
 /* A tangential force lies in its contact's plane. */
-static void test_tangential_forces(void **state) {
-    (void)state;
+TEST(test_tangential_forces) {
     const sp_pack_spec spec = spheres(60, 5, 0.5, 8);
     sp_packing p = make_packing(&spec);
     int32_t large = 0;
@@ -103,8 +99,7 @@ static int32_t count_bridges(const sp_network *net) {
 
 /* With friction a grain that is held at two points turns freely about the line through them. Without friction the
  * whole packing slides freely along the smooth walls, and nothing else does. */
-static void test_zero_modes(void **state) {
-    (void)state;
+TEST(test_zero_modes) {
     int32_t seen = 0;
     for (uint64_t seed = 1; seed <= 3; seed++) {
         sp_pack_spec spec = spheres(100, 5, seed == 3 ? 0 : 0.5, seed);
@@ -128,11 +123,4 @@ static void test_zero_modes(void **state) {
     assert_true(seen > 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rest),        cmocka_unit_test(test_odd_spheres),
-        cmocka_unit_test(test_determinism), cmocka_unit_test(test_tangential_forces),
-        cmocka_unit_test(test_zero_modes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

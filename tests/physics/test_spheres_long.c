@@ -25,8 +25,7 @@ static sp_packing make_equal(double friction, double pressure) {
 /* Frictionless spheres: z -> 6 and phi -> 0.639 as p -> 0 (Agnolin and Roux, Phys. Rev. E 76, 061302, 2007), z - 6 ~
  * (phi - phi_c)^(1/2) and p ~ (phi - phi_c)^(3/2) (O'Hern et al., Phys. Rev. E 68, 011306, 2003), so that z - 6 ~
  * p^(1/3), 2.15 a decade. One box of 500 grains in the bulk leaves z to 0.1 and phi to 0.005. */
-static void test_jamming(void **state) {
-    (void)state;
+TEST(test_jamming) {
     sp_packing high = make_equal(0, 1e-4), low = make_equal(0, 1e-5);
     const sp_statics a = statics_of(&high, 3), b = statics_of(&low, 3);
     assert_true(a.zs > 6.45 && a.zs < 7);
@@ -44,8 +43,7 @@ static void test_jamming(void **state) {
 
 /* With friction spheres stop earlier: z between 4 and 6 and phi near 0.59 (0.593 at mu = 0.3 and low pressure, Agnolin
  * and Roux). */
-static void test_friction(void **state) {
-    (void)state;
+TEST(test_friction) {
     sp_packing p = make_equal(0.5, 1e-4);
     const sp_statics s = statics_of(&p, 3);
     assert_true(s.zs > 4.6 && s.zs < 5.3);
@@ -70,8 +68,7 @@ static void sample(bool reference, double friction, uint64_t seed, double value[
 
 /* Means of samples by the two paths, within three standard errors of the difference: one of 160 such numbers lies
  * outside by chance; the seeds are fixed. */
-static void test_paths_agree(void **state) {
-    (void)state;
+TEST(test_paths_agree) {
     static const char *const name[QUANTITIES] = {"height", "z", "f0", "N/p", "Z2", "s1/s2"};
     for (int k = 0; k < 2; k++) {
         double sum[2][QUANTITIES] = {{0}}, square[2][QUANTITIES] = {{0}};
@@ -94,11 +91,4 @@ static void test_paths_agree(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_paths_agree),
-        cmocka_unit_test(test_friction),
-        cmocka_unit_test(test_jamming),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

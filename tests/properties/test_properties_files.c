@@ -80,8 +80,7 @@ static void run(claims *c, sp_random *draw) {
     sp_packing_free(&s.p);
 }
 
-static void test_files(void **state) {
-    (void)state;
+TEST(test_files) {
     claims c = {0};
     assert_non_null(mkdtemp(folder));
     claims_scenes(&c, SCENES, run);
@@ -89,7 +88,4 @@ static void test_files(void **state) {
     claims_close(&c);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_files)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -337,14 +337,10 @@ static void run(claims *c, sp_random *draw) {
     sp_packing_free(&p);
 }
 
-static void test_motion(void **state) {
-    (void)state;
+TEST(test_motion) {
     claims c = {0};
     claims_scenes(&c, SCENES, run);
     claims_close(&c);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_motion)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

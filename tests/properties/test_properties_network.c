@@ -609,8 +609,7 @@ static void run(claims *c, sp_random *draw) {
     sp_packing_free(&s.p);
 }
 
-static void test_networks(void **state) {
-    (void)state;
+TEST(test_networks) {
     claims c = {0};
     claims_scenes(&c, SCENES, run);
     claims_close(&c);
@@ -619,15 +618,11 @@ static void test_networks(void **state) {
 /* Moduli of an unstable spin, the error nan of a signal that is 0, chebyshev where a free grain or the whole cell
  * drifts, dense where a zero mode is left out, time steps and faber where a motion grows, chebyshev with unequal
  * masses. */
-static void test_known(void **state) {
+TEST(test_known) {
     static const uint64_t known[] = {25, 115, 31, 80, 1148, 1418, 621, 1915, 612, 10362, 10527, 22311};
     claims c = {0};
-    (void)state;
     claims_known(&c, sizeof known / sizeof *known, known, run);
     claims_close(&c);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_known), cmocka_unit_test(test_networks)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

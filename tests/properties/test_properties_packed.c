@@ -148,8 +148,7 @@ static void run(claims *c, sp_random *draw) {
     sp_packing_free(&p);
 }
 
-static void test_packed(void **state) {
-    (void)state;
+TEST(test_packed) {
     claims c = {0};
     setenv("SONOPACK_PROPERTIES_SEED", FIRST, 0);
     claims_scenes(&c, SCENES, run);
@@ -157,15 +156,11 @@ static void test_packed(void **state) {
 }
 
 /* A smooth sphere that rests on three others by its weight: no rattler. */
-static void test_known(void **state) {
+TEST(test_known) {
     static const uint64_t known[] = {41};
     claims c = {0};
-    (void)state;
     claims_known(&c, 1, known, run);
     claims_close(&c);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_known), cmocka_unit_test(test_packed)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -235,14 +235,10 @@ static void run(claims *c, sp_random *draw) {
     sp_packing_free(&s.p);
 }
 
-static void test_views(void **state) {
-    (void)state;
+TEST(test_views) {
     claims c = {0};
     claims_scenes(&c, SCENES, run);
     claims_close(&c);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_views)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

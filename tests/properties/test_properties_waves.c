@@ -256,8 +256,7 @@ static void run(claims *c, sp_random *draw) {
     sp_packing_free(&s.p);
 }
 
-static void test_waves(void **state) {
-    (void)state;
+TEST(test_waves) {
     claims c = {0};
     claims_scenes(&c, SCENES, run);
     claims_close(&c);
@@ -296,14 +295,10 @@ static void buckle(claims *c, sp_random *draw) {
     sp_packing_free(&s.p);
 }
 
-static void test_columns(void **state) {
+TEST(test_columns) {
     claims c = {0};
-    (void)state;
     claims_scenes(&c, SCENES, buckle);
     claims_close(&c);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_columns), cmocka_unit_test(test_waves)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

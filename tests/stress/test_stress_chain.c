@@ -84,8 +84,7 @@ static void run(stress_record *r, int n, double wall) {
     exact_free(&x);
 }
 
-static void test_chains(void **state) {
-    (void)state;
+TEST(test_chains) {
     static const int lengths[] = {1, 2, 5, 24, 61};
     static const double walls[] = {0.01, 0.5, 1, 1.6, 1.95};
     stress_record r = stress_open();
@@ -96,9 +95,4 @@ static void test_chains(void **state) {
     assert_int_equal(r.wrong, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_chains)};
-    if (!STRESS_QUAD)
-        return 77;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS_WHERE(STRESS_QUAD, NULL, NULL)

@@ -121,8 +121,7 @@ static void run(stress_record *r, const stress_case *c, const sp_network *net, d
 }
 
 /* Some of the networks: an exponential takes seconds. */
-static void test_damped(void **state) {
-    (void)state;
+TEST(test_damped) {
     static const char *const names[] = {"chain",           "p = 1e-9", "kt/kn = 1e6",   "stiffness spread 1e6",
                                         "mass spread 1e6", "floppy",   "one grain, 2D", "one grain, 3D"};
     stress_record r = stress_open();
@@ -142,9 +141,4 @@ static void test_damped(void **state) {
     assert_true(r.agreed >= 18);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_damped)};
-    if (!STRESS_QUAD)
-        return 77;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS_WHERE(STRESS_QUAD, NULL, NULL)

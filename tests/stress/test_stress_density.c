@@ -137,8 +137,7 @@ static void run(stress_record *r, const char *network, const sp_network *net, hi
     exact_free(&x);
 }
 
-static void test_hard_networks(void **state) {
-    (void)state;
+TEST(test_hard_networks) {
     if (!STRESS_QUAD)
         skip();
     stress_record r = stress_open();
@@ -158,7 +157,4 @@ static void test_hard_networks(void **state) {
     assert_true(h.three > 0.97 * h.compared);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_hard_networks)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

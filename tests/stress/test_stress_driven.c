@@ -188,8 +188,7 @@ static void run(stress_record *r, const stress_case *c, const sp_network *net, c
     }
 }
 
-static void test_hard_networks(void **state) {
-    (void)state;
+TEST(test_hard_networks) {
     if (!STRESS_QUAD)
         skip();
     stress_record r = stress_open();
@@ -213,7 +212,4 @@ static void test_hard_networks(void **state) {
     assert_int_equal(r.wrong, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_hard_networks)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -62,8 +62,7 @@ static void run(stress_record *r, const trial *t, count *c) {
     sp_packing_free(&p);
 }
 
-static void test_packings(void **state) {
-    (void)state;
+TEST(test_packings) {
     static const double pressures[] = {1e-6, 1e-4, 1e-2}, frictions[] = {0, 0.5}, amplitudes[] = {1e-4, 0.03, 0.5},
                         dampings[] = {0, 0.1};
     stress_record r = stress_open();
@@ -81,7 +80,4 @@ static void test_packings(void **state) {
     assert_int_equal(r.wrong, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_packings)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -136,8 +136,7 @@ static bool chosen(const stress_case *c) {
            c->make != stress_lattice && c->make != stress_scattered_prestress;
 }
 
-static void test_large(void **state) {
-    (void)state;
+TEST(test_large) {
     stress_record r = stress_open();
     stress_cells = CELLS;
     for (int k = 0; k < STRESS_CASES; k++) {
@@ -156,7 +155,4 @@ static void test_large(void **state) {
     assert_int_equal(r.wrong, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_large)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

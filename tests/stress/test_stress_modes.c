@@ -141,8 +141,7 @@ static void run_case(stress_record *r, const stress_case *c, uint64_t seed) {
     sp_network_free(&net);
 }
 
-static void test_modes(void **state) {
-    (void)state;
+TEST(test_modes) {
     stress_record r = stress_open();
     for (int k = 0; k < STRESS_CASES; k++)
         run_case(&r, &stress_cases[k], 1);
@@ -150,9 +149,4 @@ static void test_modes(void **state) {
     assert_int_equal(r.wrong, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_modes)};
-    if (!STRESS_QUAD)
-        return 77;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS_WHERE(STRESS_QUAD, NULL, NULL)

@@ -98,8 +98,7 @@ static double compare(stress_record *r, const char *name, const sp_network *net)
     return worst / largest;
 }
 
-static void test_moduli(void **state) {
-    (void)state;
+TEST(test_moduli) {
     stress_record r = stress_open();
     for (int k = 0; k < STRESS_CASES; k++) {
         sp_network net = stress_cases[k].make(stress_cases[k].value, 1);
@@ -168,8 +167,7 @@ static sp_network chained(double dim, uint64_t seed) {
 }
 
 /* Mechanisms of many kinds, none of which the strain drives: every modulus to 1e-9 of the largest. */
-static void test_mechanisms(void **state) {
-    (void)state;
+TEST(test_mechanisms) {
     static const stress_case cases[] = {{"spinning spheres", spinning, 1, true},
                                         {"spinning spheres, soft", spinning, 1e-6, true},
                                         {"disks with two contacts", pivoting_disks, 1, true},
@@ -190,9 +188,4 @@ static void test_mechanisms(void **state) {
     assert_true(r.refused <= 4); /* as a whole: nothing resists a strain from wall to wall */
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_moduli), cmocka_unit_test(test_mechanisms)};
-    if (!STRESS_QUAD)
-        return 77;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS_WHERE(STRESS_QUAD, NULL, NULL)

@@ -147,8 +147,7 @@ static void run_probe(stress_record *r, const char *network, const sp_network *n
     stress_agree(r, network, "probe, shear", what, (double)quad_abs(p.shear - shear), p.error_shear, (double)shear);
 }
 
-static void test_hard_networks(void **state) {
-    (void)state;
+TEST(test_hard_networks) {
     stress_record r = stress_open();
     for (int k = 0; k < STRESS_CASES; k++) {
         const stress_case *c = &stress_cases[k];
@@ -166,9 +165,4 @@ static void test_hard_networks(void **state) {
     assert_int_equal(r.wrong, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_hard_networks)};
-    if (!STRESS_QUAD)
-        return 77;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS_WHERE(STRESS_QUAD, NULL, NULL)

@@ -195,8 +195,7 @@ static void run_case(stress_record *r, const stress_case *c, uint64_t seed) {
     sp_network_free(&net);
 }
 
-static void test_gradients(void **state) {
-    (void)state;
+TEST(test_gradients) {
     if (!STRESS_QUAD)
         skip();
     stress_record r = stress_open();
@@ -207,7 +206,4 @@ static void test_gradients(void **state) {
     assert_true(r.agreed > 1000);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_gradients)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -139,8 +139,7 @@ static void run_case(stress_record *r, const stress_case *c, uint64_t seed, int 
     sp_network_free(&net);
 }
 
-static void test_signals(void **state) {
-    (void)state;
+TEST(test_signals) {
     stress_record r = stress_open();
     int unserved = 0;
 #ifdef STRESS_LONG
@@ -159,9 +158,4 @@ static void test_signals(void **state) {
     assert_int_equal(unserved, 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_signals)};
-    if (!STRESS_QUAD)
-        return 77;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS_WHERE(STRESS_QUAD, NULL, NULL)

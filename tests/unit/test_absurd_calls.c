@@ -162,10 +162,9 @@ static int open_files(void) {
     return count;
 }
 
-static void rounds_leave_nothing(void **state) {
+TEST(rounds_leave_nothing) {
     size_t bytes = 0;
     int files_open = 0;
-    (void)state;
     for (int k = 0; k < WARM + ROUNDS; k++) {
         if (k == WARM) {
             bytes = bytes_in_use();
@@ -180,7 +179,7 @@ static void rounds_leave_nothing(void **state) {
 }
 
 /* All modes of 6000 balls need 0.9 GB, which are asked for before anything is taken. */
-static void modes_ask_for_memory(void **state) {
+TEST(modes_ask_for_memory) {
     const struct rlimit little = {(rlim_t)600 << 20, RLIM_INFINITY};
     struct rlimit before;
     sp_pack_spec spec = sp_pack_spec_default();
@@ -190,7 +189,6 @@ static void modes_ask_for_memory(void **state) {
     sp_modes_options how = sp_modes_options_default();
     sp_modes m = sp_modes_none();
     sp_error reason = {0};
-    (void)state;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
     skip(); /* they map terabytes */
 #endif
@@ -209,7 +207,4 @@ static void modes_ask_for_memory(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(rounds_leave_nothing), cmocka_unit_test(modes_ask_for_memory)};
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

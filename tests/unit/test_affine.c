@@ -20,8 +20,7 @@ static sp_packing make(const sp_pack_spec *spec, sp_pack_watch watch, void *user
     return p;
 }
 
-static void test_rest(void **state) {
-    (void)state;
+TEST(test_rest) {
     for (int k = 0; k < 6; k++) {
         sp_pack_spec spec = affine(k % 2 ? 3 : 2, 80);
         spec.friction = k == 2 || k == 3 ? 0 : 0.5;
@@ -53,8 +52,7 @@ static bool note(const sp_pack_progress *progress, void *user) {
 
 /* Nothing but the strain moves the walls: the height shrinks steadily down to that of the packing, whereas a piston
  * rebounds. */
-static void test_no_rebound(void **state) {
-    (void)state;
+TEST(test_no_rebound) {
     sp_pack_spec spec = affine(2, 400);
     heights h = {.count = 0};
     double rise = 0;
@@ -77,8 +75,7 @@ static double steps_of(sp_protocol protocol, int32_t grains) {
 }
 
 /* A box four times as high takes fewer steps than the piston takes in the low one. */
-static void test_steps_and_height(void **state) {
-    (void)state;
+TEST(test_steps_and_height) {
     SKIP_SANITIZED();
     const double low = steps_of(SP_PROTOCOL_AFFINE, 150), high = steps_of(SP_PROTOCOL_AFFINE, 600);
     const double piston = steps_of(SP_PROTOCOL_DEFAULT, 150);
@@ -107,8 +104,7 @@ static sp_status keep(const void *state, size_t size, void *user, sp_error *why)
 
 /* Of a dilute gas a few grains may carry a wall for a moment, which packing.calm = 100 takes for calm. The strain goes
  * on all the same, and a run that is resumed in the middle of it ends in the same packing. */
-static void test_calm_gas(void **state) {
-    (void)state;
+TEST(test_calm_gas) {
     for (uint64_t seed = 1; seed <= 6; seed++) {
         sp_pack_spec spec = affine(2, 60);
         spec.friction = 0;
@@ -131,12 +127,4 @@ static void test_calm_gas(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_rest),
-        cmocka_unit_test(test_calm_gas),
-        cmocka_unit_test(test_no_rebound),
-        cmocka_unit_test(test_steps_and_height),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

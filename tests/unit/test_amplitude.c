@@ -39,8 +39,7 @@ static double defect_of(const sp_packing *p, double amplitude, double until, int
 
 /* Halving the step divides the defect by four, in motions that stay linear and in those in which contacts slide, open
  * and close. Without the work of sliding, or that of the forces at rest, the balance is off by as much as they are. */
-static void test_balance(void **state) {
-    (void)state;
+TEST(test_balance) {
     sp_packing flat = reference_packing(DISKS);
     for (int q = 0; q < 3; q++) {
         const double amplitude = (const double[]){1e-5, 0.1, 1}[q];
@@ -60,8 +59,7 @@ static void test_balance(void **state) {
 }
 
 /* Spheres, with torques about three axes, and smooth disks, whose energy is that of springs alone. */
-static void test_balance_elsewhere(void **state) {
-    (void)state;
+TEST(test_balance_elsewhere) {
     for (int q = 0; q < 2; q++) {
         sp_packing p = q == 0 ? carried_packing(3, 3, 0.2, 5) : scattered_packing(2, 5, 0, 3);
         sp_amplitude_front c;
@@ -74,8 +72,7 @@ static void test_balance_elsewhere(void **state) {
 
 /* Balls between walls, without friction: with velocities reversed they return to rest, through all contacts that have
  * opened. */
-static void test_reversal(void **state) {
-    (void)state;
+TEST(test_reversal) {
     enum { STEPS = 4000 };
     sp_packing p = chain_packing(20, 1e-5);
     sp_network net = carried_network(&p);
@@ -106,8 +103,7 @@ static void test_reversal(void **state) {
 }
 
 /* With the same steps the force is that of `dynamics', bit for bit. */
-static void test_same_motion(void **state) {
-    (void)state;
+TEST(test_same_motion) {
     enum { POINTS = 101 };
     sp_packing p = reference_packing(DISKS);
     sp_network net = carried_network(&p);
@@ -147,8 +143,7 @@ static sp_packing lattice_packing(void) {
 
 /* The ratios tend to 1. Without friction the distance from it goes as the amplitude: the first term of the law that is
  * not linear. */
-static void test_linear_limit(void **state) {
-    (void)state;
+TEST(test_linear_limit) {
     const double amplitude[] = {1e-8, 1e-3, 1e-2};
     for (int q = 0; q < 3; q++) {
         sp_packing p = q == 0 ? reference_packing(DISKS) : q == 1 ? chain_packing(30, 1e-4) : lattice_packing();
@@ -172,8 +167,7 @@ static void test_linear_limit(void **state) {
 }
 
 /* Errors cover what finer steps give. */
-static void test_errors(void **state) {
-    (void)state;
+TEST(test_errors) {
     const double amplitude[] = {0.01, 0.3, 2};
     sp_packing p = reference_packing(DISKS);
     sp_amplitude_options o = sp_amplitude_options_default(), fine = o;
@@ -193,8 +187,7 @@ static void test_errors(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_bad_input(void **state) {
-    (void)state;
+TEST(test_bad_input) {
     sp_packing p = reference_packing(DISKS);
     sp_amplitude_front a;
     sp_amplitude_options o = sp_amplitude_options_default();
@@ -222,10 +215,4 @@ static void test_bad_input(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_balance),      cmocka_unit_test(test_balance_elsewhere),
-                                       cmocka_unit_test(test_reversal),     cmocka_unit_test(test_same_motion),
-                                       cmocka_unit_test(test_linear_limit), cmocka_unit_test(test_errors),
-                                       cmocka_unit_test(test_bad_input)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -20,8 +20,7 @@ static double second_order(double omega, double highest, double n) {
 }
 
 /* The longer the burst, the nearer it is to a wave without end. */
-static void test_chain(void **state) {
-    (void)state;
+TEST(test_chain) {
     const double heights[] = {20, 40, 60};
     sp_packing p = chain_packing(200, 1e-6);
     sp_network net = carried_network(&p);
@@ -50,8 +49,7 @@ static void test_chain(void **state) {
 }
 
 /* Long waves: beta delta0/d = 1/2, up to their dispersion. */
-static void test_beta(void **state) {
-    (void)state;
+TEST(test_beta) {
     sp_packing p = chain_packing(300, 1e-6);
     const double highest = 2 * sqrt(2 * contact_stiffness(0.5, 0.5) * sqrt(p.contacts[0].overlap) / grain_mass(0.5));
     const sp_amplitude_burst burst = {1e-2, 0.06 * highest, 5};
@@ -66,8 +64,7 @@ static void test_beta(void **state) {
 }
 
 /* A quiet burst has the first harmonic of the linear signal, in a packing with friction. */
-static void test_linear(void **state) {
-    (void)state;
+TEST(test_linear) {
     const double heights[] = {1.2, 2}, omega = 0.67, quiet = 1e-6;
     sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     sp_network net = carried_network(&p);
@@ -100,8 +97,7 @@ static void test_linear(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_bad_input(void **state) {
-    (void)state;
+TEST(test_bad_input) {
     sp_packing p = chain_packing(100, 1e-6);
     sp_amplitude_options o = sp_amplitude_options_default();
     sp_amplitude_harmonics h[3];
@@ -138,8 +134,4 @@ static void test_bad_input(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_chain), cmocka_unit_test(test_beta),
-                                       cmocka_unit_test(test_linear), cmocka_unit_test(test_bad_input)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -7,8 +7,7 @@
 
 /* Weak waves are those of Korteweg and de Vries: what is missing in the speed goes as the square of the peak, in the
  * width as the peak. */
-static void test_weak(void **state) {
-    (void)state;
+TEST(test_weak) {
     sp_solitary a, b;
     assert_ok(sp_solitary_make(0.002, &a, &err));
     assert_ok(sp_solitary_make(0.02, &b, &err));
@@ -21,8 +20,7 @@ static void test_weak(void **state) {
 }
 
 /* Strong waves tend to that of a chain without force at rest, whose form does not depend on its strength. */
-static void test_strong(void **state) {
-    (void)state;
+TEST(test_strong) {
     sp_solitary a, b, bare;
     assert_ok(sp_solitary_make(1e6, &a, &err));
     assert_ok(sp_solitary_make(1e9, &b, &err));
@@ -39,8 +37,7 @@ static void test_strong(void **state) {
 }
 
 /* The numbers agree with the form: the half width, and both lengths of the identity of momentum. */
-static void test_form(void **state) {
-    (void)state;
+TEST(test_form) {
     enum { N = 4001 };
     double *x = calloc(N, sizeof *x), *r = calloc(N, sizeof *r), *v = calloc(N, sizeof *v), half, at;
     for (int q = 0; q < 3; q++) {
@@ -97,8 +94,7 @@ static void put_wave(motion *s, double peak, double overlap, double sound) {
 }
 
 /* After the time of 60 balls every contact has the overlap that the one 60 below it had. */
-static void test_travels(void **state) {
-    (void)state;
+TEST(test_travels) {
     enum { N = 160, FAR = 60, STEPS = 60000 };
     const double peaks[] = {0.1, 0.5, 20};
     sp_packing p = chain_packing(N, 1e-6);
@@ -129,8 +125,7 @@ static void test_travels(void **state) {
 }
 
 /* A hard knock ends in such a wave: `planes' measures its speed from plane to plane. */
-static void test_knock(void **state) {
-    (void)state;
+TEST(test_knock) {
     sp_packing p = chain_packing(100, 1e-9);
     sp_amplitude_options o = sp_amplitude_options_default();
     sp_amplitude_plane a[2];
@@ -151,8 +146,7 @@ static void test_knock(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_bad_input(void **state) {
-    (void)state;
+TEST(test_bad_input) {
     const double bad[] = {0, -1, 1e-5, 1e10, NAN, -INFINITY};
     double x = 0, y, z;
     sp_solitary s;
@@ -166,9 +160,4 @@ static void test_bad_input(void **state) {
     assert_int_equal(status, SP_ENOMEM);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_weak),  cmocka_unit_test(test_strong),
-                                       cmocka_unit_test(test_form),  cmocka_unit_test(test_travels),
-                                       cmocka_unit_test(test_knock), cmocka_unit_test(test_bad_input)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

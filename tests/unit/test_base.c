@@ -4,8 +4,7 @@
 #include "base/base.h"
 #include "base/hash.h"
 
-static void grows(void **state) {
-    (void)state;
+TEST(grows) {
     size_t capacity = 0;
     int64_t *x = NULL;
     for (size_t n = 0; n < 5000; n++) {
@@ -22,8 +21,7 @@ static void grows(void **state) {
 }
 
 /* Without memory, or for a size that overflows, the array stays as it was. */
-static void keeps_the_array(void **state) {
-    (void)state;
+TEST(keeps_the_array) {
     size_t capacity = 0;
     char *x = sp_grow(NULL, 10, &capacity, 1);
     const size_t before = capacity;
@@ -38,8 +36,7 @@ static void keeps_the_array(void **state) {
 }
 
 /* Test vectors of the authors' page (isthe.com/chongo/tech/comp/fnv). */
-static void hashes(void **state) {
-    (void)state;
+TEST(hashes) {
     assert_true(sp_hash64(SP_HASH64_BEGIN, "", 0) == 0xcbf29ce484222325u);
     assert_true(sp_hash64(SP_HASH64_BEGIN, "a", 1) == 0xaf63dc4c8601ec8cu);
     assert_true(sp_hash64(SP_HASH64_BEGIN, "foobar", 6) == 0x85944171f73967e8u);
@@ -47,8 +44,7 @@ static void hashes(void **state) {
 }
 
 /* Every bit of the data counts, in the last, incomplete word too. */
-static void hashes_words(void **state) {
-    (void)state;
+TEST(hashes_words) {
     unsigned char data[21] = {0};
     const uint64_t zero = sp_hash64_words(SP_HASH64_BEGIN, data, sizeof data);
     for (size_t bit = 0; bit < 8 * sizeof data; bit++) {
@@ -59,8 +55,4 @@ static void hashes_words(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(grows), cmocka_unit_test(keeps_the_array),
-                                       cmocka_unit_test(hashes), cmocka_unit_test(hashes_words)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -8,8 +8,7 @@ static const double arguments[] = {1e-12, 1e-4, 0.00011, 0.3, 1, 2.4048255576957
 enum { ARGUMENTS = sizeof arguments / sizeof *arguments };
 
 /* Abramowitz and Stegun, tables 9.1, 9.2, 9.4. */
-static void test_tabulated(void **state) {
-    (void)state;
+TEST(test_tabulated) {
     double j[101];
     sp_bessel_j(1, 101, j);
     assert_close(j[0], 0.76519768655796655, 2e-16);
@@ -25,8 +24,7 @@ static void test_tabulated(void **state) {
     assert_close(j[100], 0.09636667329586156, 3e-16);
 }
 
-static void test_zero(void **state) {
-    (void)state;
+TEST(test_zero) {
     double j[5] = {7, 7, 7, 7, 7}, f[2], c[3] = {2, 3, 4};
     const double x[2] = {0, 0};
     sp_bessel_j(0, 5, j);
@@ -44,8 +42,7 @@ static void test_zero(void **state) {
     assert_true(f[0] == 0 && f[1] == 0);
 }
 
-static void test_all_orders(void **state) {
-    (void)state;
+TEST(test_all_orders) {
     for (int q = 0; q < ARGUMENTS; q++) {
         const double x = arguments[q];
         const int n = (int)sp_bessel_orders(x) + 10;
@@ -67,8 +64,7 @@ static void test_all_orders(void **state) {
 }
 
 /* A series with coefficients of either sign, all arguments in one call: groups mix short recurrences with long ones. */
-static void test_series(void **state) {
-    (void)state;
+TEST(test_series) {
     enum { TERMS = 700 };
     double c[TERMS], f[ARGUMENTS];
     srand(3);
@@ -91,8 +87,4 @@ static void test_series(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_tabulated), cmocka_unit_test(test_zero),
-                                       cmocka_unit_test(test_all_orders), cmocka_unit_test(test_series)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -45,8 +45,7 @@ static void stress_of(const sp_packing *p, double stress[6]) {
 }
 
 /* The mean pressure of cells that keep their shape, at high and low pressure, with and without friction. */
-static void test_pressure(void **state) {
-    (void)state;
+TEST(test_pressure) {
     for (int k = 0; k < 8; k++) {
         sp_pack_spec s = small(2 + k % 2, k < 4 ? SP_CELL_PERIODIC : SP_CELL_BOX, k / 2 % 2 ? 0.5 : 0);
         s.pressure = k % 4 == 0 ? 1e-5 : 1e-4;
@@ -62,8 +61,7 @@ static void test_pressure(void **state) {
 }
 
 /* Every component that the cell controls; with shear stress the cell is tilted. */
-static void test_stress(void **state) {
-    (void)state;
+TEST(test_stress) {
     static const double plane[] = {1e-4, 1.2e-4, 1e-5}, flat[] = {1e-4, 1.2e-4, 0},
                         space[] = {1e-4, 1.2e-4, 1.1e-4, -5e-6, 1e-5, 5e-6};
     for (int k = 0; k < 3; k++) {
@@ -86,8 +84,7 @@ static void test_stress(void **state) {
 
 /* A packing from a file goes on from its own contacts: at its own pressure nothing moves, and a history passes through
  * other ones. */
-static void test_file(void **state) {
-    (void)state;
+TEST(test_file) {
     static const double history[] = {1e-3};
     for (int k = 0; k < 4; k++) {
         sp_pack_spec s = small(2 + k % 2, k < 2 ? SP_CELL_PERIODIC : SP_CELL_BOX, 0.5);
@@ -116,8 +113,7 @@ static void test_file(void **state) {
 }
 
 /* The kernel and the plain path make different packings, but the same mean density and coordination. */
-static void test_reference(void **state) {
-    (void)state;
+TEST(test_reference) {
     double height[2];
     for (int plain = 0; plain < 2; plain++) {
         sp_pack_spec s = small(2, SP_CELL_PERIODIC, 0);
@@ -132,8 +128,7 @@ static void test_reference(void **state) {
 }
 
 /* The bottom carries the piston and the weight, and the pressure grows with the depth. */
-static void test_gravity(void **state) {
-    (void)state;
+TEST(test_gravity) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_pack_spec s = small(dim, SP_CELL_PISTON, 0.5);
         s.width = 6;
@@ -163,8 +158,7 @@ static void assert_refuses(const sp_pack_spec *s, sp_status expected, const char
         fail_msg("%s, key \"%s\": %s", sp_status_name(status), why.key, why.text);
 }
 
-static void test_bad_stress(void **state) {
-    (void)state;
+TEST(test_bad_stress) {
     static const double wrong[][3] = {{1e-4, 1e-4, 1.1e-4}, {-1e-4, 1e-4, 0}, {1e-4, 0, 0}};
     sp_pack_spec s = small(2, SP_CELL_PERIODIC, 0.5);
     s.stress_count = 3;
@@ -190,8 +184,7 @@ static void test_bad_stress(void **state) {
     assert_refuses(&s, SP_EFAILED, "packing.stress");
 }
 
-static void test_bad_cells(void **state) {
-    (void)state;
+TEST(test_bad_cells) {
     sp_pack_spec s = small(2, SP_CELL_PERIODIC, 0.5);
     s.grains = 20;
     assert_refuses(&s, SP_EINVAL, "packing.grains");
@@ -213,19 +206,11 @@ static void test_bad_cells(void **state) {
 }
 
 /* Grains that their own weight pushes through each other: the reason is the gravity, not the pressure. */
-static void test_huge_gravity(void **state) {
-    (void)state;
+TEST(test_huge_gravity) {
     sp_pack_spec s = small(2, SP_CELL_PISTON, 0.5);
     s.width = 6;
     s.gravity = 1e-2;
     assert_refuses(&s, SP_EFAILED, "packing.gravity");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pressure),  cmocka_unit_test(test_stress),       cmocka_unit_test(test_file),
-        cmocka_unit_test(test_reference), cmocka_unit_test(test_gravity),      cmocka_unit_test(test_bad_stress),
-        cmocka_unit_test(test_bad_cells), cmocka_unit_test(test_huge_gravity),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -23,8 +23,7 @@ static sp_packing packing(int k) {
                          k < 2 ? (double[3]){0.3} : tilted, k % 2 ? 0.3 : 0, 1 + (unsigned)k);
 }
 
-static void packings_are_at_rest(void **state) {
-    (void)state;
+TEST(packings_are_at_rest) {
     for (int k = 0; k < PACKINGS; k++) {
         sp_packing p = packing(k);
         sp_audit a;
@@ -38,8 +37,7 @@ static void packings_are_at_rest(void **state) {
 
 /* Translations of the cell are all that springs do not resist: with friction no rotation is free, since the cell cannot
  * turn. Dense and sparse solvers, counts and null motions agree. */
-static void translations_are_free(void **state) {
-    (void)state;
+TEST(translations_are_free) {
     for (int k = 0; k < 2 * PACKINGS; k++) {
         sp_packing p = packing(k / 2);
         sp_network net = network_of(&p, k % 2);
@@ -73,8 +71,7 @@ static void translations_are_free(void **state) {
 }
 
 /* A box holds its grains. A piece of a lattice that floats in a periodic cell turns, too. */
-static void boxes_hold_and_pieces_turn(void **state) {
-    (void)state;
+TEST(boxes_hold_and_pieces_turn) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_packing box = cells_packing(SP_CELL_BOX, dim, 40, dim == 2 ? 0.95 : 0.75, NULL, 0, 5);
         sp_packing piece = dim == 2 ? cells_triangular(5, 6, 0.01, 0) : cells_fcc(3, 0.01, 0);
@@ -117,8 +114,7 @@ static double seen(const sp_network *net, const sp_place *at, const double *u) {
 }
 
 /* What comes through one plane less what goes through a higher one is the force on the grains between them. */
-static void momentum_is_balanced(void **state) {
-    (void)state;
+TEST(momentum_is_balanced) {
     for (int k = 0; k < 2 * PACKINGS; k++) {
         sp_packing p = packing(k / 2);
         sp_network net = network_of(&p, k % 2);
@@ -151,8 +147,7 @@ static void momentum_is_balanced(void **state) {
 }
 
 /* A plane moves the grains of its layer, across the period, and nothing else; in every kind of cell. */
-static void planes_are_sources(void **state) {
-    (void)state;
+TEST(planes_are_sources) {
     for (int cell = 0; cell < 3; cell++) {
         sp_packing p = cells_packing((sp_boundary)cell, 2, 40, 0.95, NULL, 0.3, 6);
         sp_network net = network_of(&p, false);
@@ -178,8 +173,7 @@ static void planes_are_sources(void **state) {
     }
 }
 
-static void walls_are_refused(void **state) {
-    (void)state;
+TEST(walls_are_refused) {
     sp_packing p = packing(1);
     sp_network net = network_of(&p, false);
     double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
@@ -213,8 +207,7 @@ static void walls_are_refused(void **state) {
 /* ---- statics ---------------------------------------------------------------------------------------------------- */
 
 /* Nothing is left out of a periodic cell; its stress has the pressure as its mean. */
-static void statics_of_the_cell(void **state) {
-    (void)state;
+TEST(statics_of_the_cell) {
     for (int k = 0; k < PACKINGS; k++) {
         sp_packing p = packing(k);
         sp_statics s, wide;
@@ -241,8 +234,7 @@ static void statics_of_the_cell(void **state) {
 }
 
 /* Shares of grains at the edges and corners of the bulk of a box: halves of halves by symmetry, else by Monte Carlo. */
-static void bulk_of_a_box(void **state) {
-    (void)state;
+TEST(bulk_of_a_box) {
     sp_packing p = cells_packing(SP_CELL_BOX, 3, 20, 0.6, NULL, 0, 8);
     const bulk b = sp_bulk_of(&p, 0.5);
     const double r = 0.4, edge = p.box[0] - 1, middle = 0.5 * p.box[0];
@@ -268,11 +260,4 @@ static void bulk_of_a_box(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(packings_are_at_rest),       cmocka_unit_test(translations_are_free),
-        cmocka_unit_test(boxes_hold_and_pieces_turn), cmocka_unit_test(momentum_is_balanced),
-        cmocka_unit_test(planes_are_sources),         cmocka_unit_test(walls_are_refused),
-        cmocka_unit_test(statics_of_the_cell),        cmocka_unit_test(bulk_of_a_box)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -45,8 +45,7 @@ static void assert_tensor(const sp_elasticity *e, const double *expected, double
 
 /* Square, smooth: columns and rows by themselves. With friction the shear stiffness is k_t/2: grains turn. The same
  * lattice in cells that lean by a column over their height. */
-static void square_lattice(void **state) {
-    (void)state;
+TEST(square_lattice) {
     const double overlap = 1e-7, k = stiffness(overlap), kt = k * contact_eta(0.2);
     for (int lean = -2; lean <= 2; lean++) {
         sp_packing p = cells_square(5, 4, lean, overlap, 0.3);
@@ -67,8 +66,7 @@ static void square_lattice(void **state) {
 }
 
 /* Isotropic: C11 = 3 sqrt(3)/4 k, C12 = C33 = sqrt(3)/4 k. */
-static void triangular_lattice(void **state) {
-    (void)state;
+TEST(triangular_lattice) {
     const double overlap = 0.01, k = 0.25 * sqrt(3) * stiffness(overlap);
     for (int rows = 3; rows <= 6; rows++) { /* tilts of 0 and of half a column, to both sides */
         sp_packing p = cells_triangular(5, rows, overlap, 0);
@@ -85,8 +83,7 @@ static void triangular_lattice(void **state) {
 
 /* Springs between neighbours in a cube of edge a: C11 = 2 k/a, C12 = C44 = k/a. The tilted primitive cell is turned:
  * its invariants are the same. */
-static void fcc_lattice(void **state) {
-    (void)state;
+TEST(fcc_lattice) {
     const double overlap = 0.01, k = stiffness(overlap) / (sqrt(2) * (1 - overlap));
     const double c[36] = {2 * k, k, k, 0, 0, 0, k, 2 * k, k, 0, 0, 0, k, k, 2 * k, 0, 0, 0,
                           0,     0, 0, k, 0, 0, 0, 0,     0, 0, k, 0, 0, 0, 0,     0, 0, k};
@@ -104,8 +101,7 @@ static void fcc_lattice(void **state) {
 }
 
 /* The same lattice under a piston whose walls are like grains: one spring more up, one row of length less. */
-static void piston_and_periodic(void **state) {
-    (void)state;
+TEST(piston_and_periodic) {
     const double overlap = 1e-6, across = 1 - overlap, height = 4 * across + 1 - 2 * overlap;
     sp_packing p = cells_square(6, 5, 0, overlap, 0.3), piston = cells_square(6, 5, 0, overlap, 0.3);
     piston.cell = SP_CELL_PISTON;
@@ -177,8 +173,7 @@ static void gradient(const sp_packing *q, const double f[3][3], double out[3][3]
 
 /* The whole tensor with prestress is the second derivative of the energy of relaxed cells by the displacement gradient,
  * and K the change of the pressure with the volume: both by central differences of relaxed packings. */
-static void energies_of_strained_cells(void **state) {
-    (void)state;
+TEST(energies_of_strained_cells) {
     static const int along[2][6] = {{0, 1, 0}, {0, 1, 2, 1, 0, 0}}, of[2][6] = {{0, 1, 1}, {0, 1, 2, 2, 2, 1}};
     const double step = 2e-6;
     for (int dim = 2; dim <= 3; dim++) {
@@ -221,8 +216,7 @@ static void energies_of_strained_cells(void **state) {
 
 /* The full contact law at a small strain gives what the linear springs give, with friction, in periodic cells and
  * boxes; a larger strain changes contacts. */
-static void finite_strains(void **state) {
-    (void)state;
+TEST(finite_strains) {
     for (int q = 0; q < 4; q++) {
         const int dim = 2 + q / 2;
         sp_packing p = cells_packing(q % 2 ? SP_CELL_BOX : SP_CELL_PERIODIC, dim, 24, dim == 2 ? 0.95 : 0.75, NULL, 0.4,
@@ -248,8 +242,7 @@ static void finite_strains(void **state) {
 }
 
 /* Rattlers and what floats do no harm; a cell that nothing crosses is floppy; probes need two walls. */
-static void refusals(void **state) {
-    (void)state;
+TEST(refusals) {
     sp_packing p = cells_packing(SP_CELL_PERIODIC, 2, 30, 0.9, NULL, 0, 17), piece = cells_triangular(5, 6, 0.01, 0);
     sp_network net = network_of(&p, false);
     const sp_probe probe = {SP_PROBE_SINE, 1};
@@ -267,13 +260,4 @@ static void refusals(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(square_lattice),
-                                       cmocka_unit_test(triangular_lattice),
-                                       cmocka_unit_test(fcc_lattice),
-                                       cmocka_unit_test(piston_and_periodic),
-                                       cmocka_unit_test(energies_of_strained_cells),
-                                       cmocka_unit_test(finite_strains),
-                                       cmocka_unit_test(refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -126,8 +126,7 @@ static double brute_energy(const dynamics *d, double *f) {
     return sum;
 }
 
-static void test_forces_are_all_images(void **state) {
-    (void)state;
+TEST(test_forces_are_all_images) {
     for (int k = 0; k < SCENES; k++)
         for (int plain = 0; plain < 2; plain++) {
             scene smooth = scenes[k];
@@ -151,8 +150,7 @@ static void test_forces_are_all_images(void **state) {
 }
 
 /* Moving all grains by a vector moves some of them through the faces, and changes no force. */
-static void test_translation(void **state) {
-    (void)state;
+TEST(test_translation) {
     const double shift[3] = {3.1, -8.7, 14.2};
     for (int k = 0; k < SCENES; k++) {
         if (scenes[k].cell != SP_CELL_PERIODIC)
@@ -177,8 +175,7 @@ static void test_translation(void **state) {
 }
 
 /* Newton's third law, with friction and viscosity: without walls the forces sum to 0, with walls to what these give. */
-static void test_momentum(void **state) {
-    (void)state;
+TEST(test_momentum) {
     for (int k = 0; k < SCENES; k++) {
         dynamics d = make(&scenes[k], false, nowhere);
         double sum[3] = {0, 0, 0}, scale = 0;
@@ -203,8 +200,7 @@ static void test_momentum(void **state) {
     }
 }
 
-static void test_kernel_equals_plain(void **state) {
-    (void)state;
+TEST(test_kernel_equals_plain) {
     for (int k = 0; k < SCENES; k++) {
         dynamics d[2] = {make(&scenes[k], false, nowhere), make(&scenes[k], true, nowhere)};
         for (int step = 0; step < 3; step++) { /* the later ones have tangential forces, and another cell */
@@ -259,8 +255,7 @@ static double stress_error(const scene *s, int a, int b, double measured, double
 }
 
 /* Stress is -dE / (V d strain): central differences miss it by h^2. */
-static void test_stress_is_derivative(void **state) {
-    (void)state;
+TEST(test_stress_is_derivative) {
     for (int k = 0; k < SCENES; k++) {
         scene smooth = scenes[k];
         smooth.friction = 0;
@@ -291,8 +286,7 @@ static void flow(const dynamics *d, double dt, double x[3]) {
 
 /* Grains that nothing can push are carried by the cell, except for lattice vectors: the strain is so large that the
  * cell takes other ones. */
-static void test_grains_follow_the_cell(void **state) {
-    (void)state;
+TEST(test_grains_follow_the_cell) {
     for (int k = 0; k < SCENES; k++) {
         dynamics d = make(&scenes[k], false, nowhere);
         double *x = sp_alloc(3 * (size_t)d.n, sizeof *x), turned = d.tilt[0];
@@ -331,8 +325,7 @@ static void test_grains_follow_the_cell(void **state) {
 }
 
 /* Bytes after some hundred steps of a deforming cell, alone and with threads. */
-static void test_threads(void **state) {
-    (void)state;
+TEST(test_threads) {
     for (int k = 0; k < SCENES; k++) {
         dynamics d[2] = {make(&scenes[k], false, nowhere), make(&scenes[k], false, nowhere)};
         assert_ok(sp_pool_make(3, &d[1].pool, &err));
@@ -352,15 +345,4 @@ static void test_threads(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_forces_are_all_images),
-        cmocka_unit_test(test_translation),
-        cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_kernel_equals_plain),
-        cmocka_unit_test(test_stress_is_derivative),
-        cmocka_unit_test(test_grains_follow_the_cell),
-        cmocka_unit_test(test_threads),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -22,8 +22,7 @@ static sp_network network_of(const sp_packing *p, bool prestress) {
 
 /* The wave vector of the n-th wave along an axis: its phase changes by 2 pi n over that lattice vector, by 0 over the
  * others. */
-static void reciprocal_vectors(void **state) {
-    (void)state;
+TEST(reciprocal_vectors) {
     sp_packing p = cells_packing(SP_CELL_PERIODIC, 3, 40, 0.7, tilted, 0, 3);
     sp_network net = network_of(&p, false);
     for (int a = 0; a < 3; a++)
@@ -85,8 +84,7 @@ static void assert_lattice(sp_packing p) {
     sp_packing_free(&p);
 }
 
-static void lattices(void **state) {
-    (void)state;
+TEST(lattices) {
     for (int lean = -2; lean <= 2; lean++)
         assert_lattice(cells_square(5, 7, lean, 0.01, 0));
     assert_lattice(cells_triangular(6, 7, 0.01, 0));
@@ -94,8 +92,7 @@ static void lattices(void **state) {
 }
 
 /* Along the rows of a square lattice the wave is an eigenmode: omega = 2 sqrt(k/m) |sin(k a/2)|. */
-static void square_rows(void **state) {
-    (void)state;
+TEST(square_rows) {
     sp_packing p = cells_square(12, 5, 0, 0.01, 0);
     sp_network net = network_of(&p, false);
     sp_dispersion_options o = sp_dispersion_options_default();
@@ -119,8 +116,7 @@ static void square_rows(void **state) {
 }
 
 /* Long waves have the speeds of the moduli, by the kernel's peak and by the modes of the cell. */
-static void speeds_of_moduli(void **state) {
-    (void)state;
+TEST(speeds_of_moduli) {
     sp_packing p = cells_triangular(12, 14, 0.01, 0);
     sp_network net = network_of(&p, false);
     sp_moduli m;
@@ -142,8 +138,7 @@ static void speeds_of_moduli(void **state) {
 }
 
 /* In a box waves along all axes stand between walls. */
-static void standing_in_a_box(void **state) {
-    (void)state;
+TEST(standing_in_a_box) {
     sp_packing p = cells_packing(SP_CELL_BOX, 2, 40, 0.95, NULL, 0, 5);
     sp_network net = network_of(&p, false);
     for (int up = 0; up < 2; up++) {
@@ -181,8 +176,7 @@ static sp_signal signal_of(const sp_packing *p, const sp_network *net, sp_signal
 
 /* A row of a square lattice gets unit momentum per grain: each column is a ring of masses, whose motion is a sum over
  * its waves. The pulse goes up and down, and round the period. */
-static void rings(void **state) {
-    (void)state;
+TEST(rings) {
     enum { COLUMNS = 4, ROWS = 9 };
     sp_packing p = cells_square(COLUMNS, ROWS, 1, 0.01, 0);
     sp_network net = network_of(&p, false);
@@ -208,8 +202,7 @@ static void rings(void **state) {
 
 /* All methods agree in random packings, with friction too, at planes and at a grain; the nonlinear motion at a small
  * amplitude, in a frame in which the packing as a whole is at rest. */
-static void methods_agree(void **state) {
-    (void)state;
+TEST(methods_agree) {
     const sp_signal_method methods[] = {SP_SIGNAL_DENSE, SP_SIGNAL_SPARSE, SP_SIGNAL_VERLET, SP_SIGNAL_DYNAMICS};
     for (int q = 0; q < 3; q++) {
         const int dim = q == 1 ? 3 : 2;
@@ -247,8 +240,7 @@ static void methods_agree(void **state) {
 }
 
 /* A strong impulse moves the whole packing: its drift is left out, which would carry grains out of reach. */
-static void no_drift(void **state) {
-    (void)state;
+TEST(no_drift) {
     sp_packing p = cells_packing(SP_CELL_PERIODIC, 2, 40, 0.95, NULL, 0.3, 21);
     sp_network net = network_of(&p, true);
     const sp_place plane = {.kind = SP_PLACE_PLANE, .height = 1};
@@ -268,8 +260,7 @@ static void no_drift(void **state) {
 }
 
 /* What needs a wall says so. */
-static void refusals(void **state) {
-    (void)state;
+TEST(refusals) {
     sp_packing p = cells_packing(SP_CELL_PERIODIC, 2, 40, 0.95, NULL, 0.3, 21);
     sp_network net = network_of(&p, false);
     sp_signal s = sp_signal_none();
@@ -291,10 +282,4 @@ static void refusals(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reciprocal_vectors), cmocka_unit_test(lattices),          cmocka_unit_test(square_rows),
-        cmocka_unit_test(speeds_of_moduli),   cmocka_unit_test(standing_in_a_box), cmocka_unit_test(rings),
-        cmocka_unit_test(methods_agree),      cmocka_unit_test(no_drift),          cmocka_unit_test(refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

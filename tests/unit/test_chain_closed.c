@@ -12,8 +12,7 @@ static const long double PI = 3.14159265358979323846264338L;
 static const sp_chain_source sources[] = {SP_CHAIN_VELOCITY, SP_CHAIN_DISPLACEMENT};
 
 /* Abramowitz and Stegun, table 10.11 and 10.13: values, zeros and extrema. */
-static void test_airy_tabulated(void **state) {
-    (void)state;
+TEST(test_airy_tabulated) {
     const double at[][3] = {{0, 0.35502805388781724, -0.25881940379280680},
                             {1, 0.13529241631288142, -0.15914744129679321},
                             {-2.338107410459767, 0, 0.70121082272069},
@@ -30,8 +29,7 @@ static void test_airy_tabulated(void **state) {
 
 /* The power series at 0 in long double, which loses exp(2 zeta) of its 19 digits for x > 0. Both sides of the place at
  * 9 where one form takes over from another, and of the edges between two integers. */
-static void test_airy_series(void **state) {
-    (void)state;
+TEST(test_airy_series) {
     for (double x = -9.5; x <= 4.6; x += 0.0625) {
         long double f = 1, g = x, df = 0, dg = 1, a = 1, b = x;
         const long double x3 = (long double)x * x * x, c1 = 0.355028053887817239260063186004183177L,
@@ -63,8 +61,7 @@ static void test_airy_series(void **state) {
 }
 
 /* (C2) and (C5), every mode to a few ulp of itself, also of those near the end of the spectrum. */
-static void test_modes(void **state) {
-    (void)state;
+TEST(test_modes) {
     const int64_t sizes[] = {1, 2, 50, 1000000, 1000000000};
     for (size_t q = 0; q < sizeof sizes / sizeof *sizes; q++)
         for (int64_t k = 0; k < 50; k++) {
@@ -80,8 +77,7 @@ static void test_modes(void **state) {
 }
 
 /* Images in both walls and the sum over modes (C4): to late times, where short chains have dozens of echoes. */
-static void test_images_and_modes(void **state) {
-    (void)state;
+TEST(test_images_and_modes) {
     enum { POINTS = 301 };
     const int sizes[] = {1, 2, 3, 7, 50, 401, 2000};
     for (size_t q = 0; q < sizeof sizes / sizeof *sizes; q++)
@@ -99,8 +95,7 @@ static void test_images_and_modes(void **state) {
 }
 
 /* Against a longer recurrence in long double: the front at 10^5 balls, and its first echo. The promised bound. */
-static void test_long_chain(void **state) {
-    (void)state;
+TEST(test_long_chain) {
     enum { N = 100000, L = N + 1, ORDERS = 2 * 3 * L + 10, POINTS = 6 };
     const double t[POINTS] = {L - 100, L - 3.5, L + 20, 1.5 * L, 3 * L - 60, 3.0 * L};
     double f[2][POINTS];
@@ -128,8 +123,7 @@ static void test_long_chain(void **state) {
 /* The general network, expansion and all, of a row of balls: with K l/c = sqrt(K m) in its units, a first ball of speed
  * K/m has a signal sqrt(K/m) K F_A, a displacement K makes K^2 F_B; with other springs at the walls, source and first
  * ball are that many times as strong. Several echoes. */
-static void test_network(void **state) {
-    (void)state;
+TEST(test_network) {
     enum { POINTS = 900 };
     const double walls[] = {1, 0.2, 0.62, 1.6, 1.99};
     const int sizes[] = {2, 9, 300};
@@ -175,8 +169,7 @@ static void test_network(void **state) {
 
 /* What stiffer walls do to a long chain's front: it is 1/wall as high, and earlier by 2 (1 - 1/wall); the rest falls as
  * N^(-2/3). */
-static void test_walls(void **state) {
-    (void)state;
+TEST(test_walls) {
     enum { POINTS = 101 };
     double before = 0;
     for (int64_t n = 1000; n <= 64000; n *= 64) {
@@ -208,8 +201,7 @@ static double at(int64_t grains, sp_chain_source source, double t) {
 
 /* Marks are where the signal has them: it changes sign, passes a tenth and is steepest at 0 within 1e-9 of the mark.
  * And the general rule finds the same on a fine grid that ends behind the zero. */
-static void test_front(void **state) {
-    (void)state;
+TEST(test_front) {
     enum { POINTS = 4000 };
     const int sizes[] = {1, 2, 3, 5, 12, 40, 1000, 30000};
     static double t[POINTS], f[POINTS];
@@ -251,8 +243,7 @@ static void test_front(void **state) {
 
 /* Table III: gamma = 2/3 from a velocity, 1 from a displacement, alpha = 1/3. Local exponents between N and 2 N differ
  * from these as N^(-2/3), and by less than 1e-3 from 3 10^4 balls on. */
-static void test_exponents(void **state) {
-    (void)state;
+TEST(test_exponents) {
     for (int s = 0; s < 2; s++) {
         const sp_chain_limit limit = sp_chain_limit_of(sources[s]);
         double before[3] = {0};
@@ -283,8 +274,7 @@ static void test_exponents(void **state) {
 }
 
 /* The signal over the front of (16), w = -5 .. 5: equal but for N^(-1/3); for N^(-2/3) where the way is N + 1. */
-static void test_airy_limit(void **state) {
-    (void)state;
+TEST(test_airy_limit) {
     enum { POINTS = 101 };
     const double slope[] = {-1.0 / 3, -2.0 / 3};
     for (int s = 0; s < 2; s++) {
@@ -316,8 +306,7 @@ static void test_airy_limit(void **state) {
 }
 
 /* The numbers of sp_chain_limit_of are those of the Airy function. */
-static void test_limits(void **state) {
-    (void)state;
+TEST(test_limits) {
     const double tenth[] = {2.5094406664594647, 3.2428893980567130}, peak[] = {0, 0.88405045855237295};
     for (int s = 0; s < 2; s++) {
         const sp_chain_limit limit = sp_chain_limit_of(sources[s]);
@@ -337,8 +326,7 @@ static void test_limits(void **state) {
     }
 }
 
-static void test_bad_input(void **state) {
-    (void)state;
+TEST(test_bad_input) {
     const double fine[2] = {1, 2}, bad[][2] = {{NAN, 1}, {-1, 1}, {2, 1}, {0, INFINITY}};
     double f[2];
     sp_front front;
@@ -371,12 +359,4 @@ static void test_bad_input(void **state) {
     sp_alloc_fail_after(-1);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_airy_tabulated), cmocka_unit_test(test_airy_series),
-                                       cmocka_unit_test(test_modes),          cmocka_unit_test(test_images_and_modes),
-                                       cmocka_unit_test(test_long_chain),     cmocka_unit_test(test_network),
-                                       cmocka_unit_test(test_walls),          cmocka_unit_test(test_front),
-                                       cmocka_unit_test(test_exponents),      cmocka_unit_test(test_airy_limit),
-                                       cmocka_unit_test(test_limits),         cmocka_unit_test(test_bad_input)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

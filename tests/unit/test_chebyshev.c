@@ -42,8 +42,7 @@ static void check_places(const char *name, const sp_network *net, sp_signal_opti
     free(sent);
 }
 
-static void test_places(void **state) {
-    (void)state;
+TEST(test_places) {
     const struct {
         const char *name;
         sp_packing p;
@@ -81,8 +80,7 @@ static void test_places(void **state) {
 }
 
 /* Blocks that nothing has reached sleep, and the bound allows for what was dropped there. */
-static void test_sleep(void **state) {
-    (void)state;
+TEST(test_sleep) {
     sp_packing p = chain_packing(2600, 1e-4);
     sp_network net = network_of(&p, false);
     const double spans[] = {300, 2600}; /* sound takes some 4900 */
@@ -130,8 +128,7 @@ static sp_packing lattice_packing(int side) {
 }
 
 /* The same bits for any number of threads, and by any vectors. */
-static void test_threads(void **state) {
-    (void)state;
+TEST(test_threads) {
     sp_packing p = lattice_packing(185);
     sp_network net = network_of(&p, false);
     sp_signal_options o = options_of(SP_SOURCE_IMPULSE, 60, 31);
@@ -213,8 +210,7 @@ static void same_by_vectors(const char *name, const sp_network *net, bool double
     }
 }
 
-static void test_vectors(void **state) {
-    (void)state;
+TEST(test_vectors) {
     const struct {
         const char *name;
         int dim;
@@ -236,8 +232,7 @@ static void test_vectors(void **state) {
 
 /* A signal that ends with its front is the beginning of the longer one, ends not long after the zero crossing, and has
  * the front that the rule finds in the longer one up to there. */
-static void test_front(void **state) {
-    (void)state;
+TEST(test_front) {
     const char *const names[] = {REFERENCE("packing_N200_p1e-4.txt"), REFERENCE("packing_N600_p1e-4.txt")};
     for (int q = 0; q < 2; q++) {
         sp_packing p = reference_packing(names[q]);
@@ -285,8 +280,7 @@ static void test_front(void **state) {
     }
 }
 
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     sp_packing p = scattered_packing(2, 6, 0.5, 1);
     sp_network net = network_of(&p, false);
     const sp_place to[] = {{.kind = SP_PLACE_PLANE, .height = 1}, {.kind = SP_PLACE_PLANE, .height = 2}};
@@ -299,9 +293,4 @@ static void test_no_memory(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_places),  cmocka_unit_test(test_sleep),
-                                       cmocka_unit_test(test_threads), cmocka_unit_test(test_vectors),
-                                       cmocka_unit_test(test_front),   cmocka_unit_test(test_no_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

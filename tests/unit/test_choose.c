@@ -26,8 +26,7 @@ static sp_signal_method first_choice(const sp_network *net, const sp_signal_opti
 }
 
 /* The number of products that the cost stands for is that of the run, for one pair and for many. */
-static void test_products(void **state) {
-    (void)state;
+TEST(test_products) {
     sp_packing p = scattered_packing(2, 8, 0.5, 1);
     sp_network net = network_of(&p);
     const double lengths[] = {50, 500, 5000};
@@ -61,8 +60,7 @@ static double operations(sp_signal_method method, const sp_network *net, const s
     return 9 * n * n * n / 4 + 60.0 * n * o->points; /* LAPACK's count for all vectors, at four a nanosecond; sines */
 }
 
-static void test_choice(void **state) {
-    (void)state;
+TEST(test_choice) {
     const int cells[] = {2, 4, 8, 16};
     int dense = 0, chebyshev = 0;
     for (int k = 0; k < 4; k++) {
@@ -86,8 +84,7 @@ static void test_choice(void **state) {
 }
 
 /* Costs grow with all that is asked; what cannot serve has none. */
-static void test_costs(void **state) {
-    (void)state;
+TEST(test_costs) {
     sp_packing p = scattered_packing(2, 8, 0.5, 1);
     sp_network net = network_of(&p);
     const sp_signal_method methods[] = {SP_SIGNAL_CHEBYSHEV, SP_SIGNAL_DENSE};
@@ -124,8 +121,7 @@ static void test_costs(void **state) {
 }
 
 /* A modal sum vouches for nothing so early, and yet a small network is served: by the next method. */
-static void test_next_choice(void **state) {
-    (void)state;
+TEST(test_next_choice) {
     sp_packing p = chain_packing(40, 1e-4);
     sp_network net = network_of(&p);
     sp_signal_options o = options_of(&net, 3, 200000); /* so many times that modes are cheaper */
@@ -140,8 +136,4 @@ static void test_next_choice(void **state) {
     sp_network_free(&net);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_products), cmocka_unit_test(test_choice),
-                                       cmocka_unit_test(test_costs), cmocka_unit_test(test_next_choice)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

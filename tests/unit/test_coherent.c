@@ -35,8 +35,7 @@ static sp_coherent_section made_up(double noise) {
 
 /* Where the wave hardly decays the four periods hold the whole pulse. Where it decays within a few planes, the low
  * frequencies that are left farther up are longer than the window, and what is cut off of them is felt: 1e-3. */
-static void test_known_wave(void **state) {
-    (void)state;
+TEST(test_known_wave) {
     sp_coherent_section s = made_up(0);
     for (double w = 0.04; w < 0.16; w += 0.02) {
         sp_coherent_wave c;
@@ -50,8 +49,7 @@ static void test_known_wave(void **state) {
 }
 
 /* Noise on every plane that is independent of the others: k and alpha stay near, and `part` tells of it. */
-static void test_noise(void **state) {
-    (void)state;
+TEST(test_noise) {
     sp_coherent_section s = made_up(20);
     sp_coherent_wave c;
     const double w = 0.06, k = w / speed;
@@ -104,8 +102,7 @@ static void check_rows(const sp_packing *p, bool lattice) {
     sp_network_free(&net);
 }
 
-static void test_chain(void **state) {
-    (void)state;
+TEST(test_chain) {
     sp_packing p = chain_packing(180, 1e-4);
     check_rows(&p, false);
     sp_packing_free(&p);
@@ -113,8 +110,7 @@ static void test_chain(void **state) {
 
 /* Rows of a lattice move as the grains of a chain with 1.5 of a contact's stiffness, sqrt(3)/2 of a spacing apart:
  * Eq. (18) of Somfai et al. 2005. Planes are not at the same height between the rows, one row after the other. */
-static void test_lattice(void **state) {
-    (void)state;
+TEST(test_lattice) {
     sp_pack_spec spec = sp_pack_spec_default();
     sp_packing p = sp_packing_none();
     spec.kind = SP_PACK_TRIANGULAR;
@@ -128,8 +124,7 @@ static void test_lattice(void **state) {
 
 /* Planes closer than the rows have one another's contacts: they are left out. What comes too late for three planes, or
  * only as the record ends, is told to be none. */
-static void test_few_planes(void **state) {
-    (void)state;
+TEST(test_few_planes) {
     sp_packing p = chain_packing(40, 1e-4);
     sp_network net = network_of(&p, false);
     sp_coherent_section s = sp_coherent_section_none();
@@ -152,8 +147,7 @@ static void test_few_planes(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_coherent_section s = made_up(0);
     sp_coherent_wave c = {.k = 7};
     assert_fails(sp_coherent_fit(&s, 0, &c, &err), SP_EINVAL, "omega 0");
@@ -196,9 +190,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_known_wave), cmocka_unit_test(test_noise),
-                                       cmocka_unit_test(test_chain),      cmocka_unit_test(test_lattice),
-                                       cmocka_unit_test(test_few_planes), cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -83,8 +83,7 @@ static double closed_force(const sp_tapped_spec *c, double z, bool printed) {
 
 /* [B]'s ten particles: 2.2588 g and 0.3545 g. Printed, (44) has 1/(b sqrt(2 pi)), and it is that which gives 2.2588;
  * with signs 1/(c sqrt(2 pi)) gives 0.3545. Both without e, and proportional to N by K = 2 N m g/r. */
-static void test_force(void **state) {
-    (void)state;
+TEST(test_force) {
     for (int32_t n = 1; n <= 100; n += 9) {
         sp_tapped_spec c = sp_tapped_spec_default();
         c.particles = n;
@@ -129,8 +128,7 @@ static double characteristic(const sp_tapped_spec *c, double z, double until, bo
     return z;
 }
 
-static void test_characteristics(void **state) {
-    (void)state;
+TEST(test_characteristics) {
     for (int which = SP_TAPPED_BSR_LITERAL; which <= SP_TAPPED_BSR_SIGNED; which++) {
         double error[3];
         for (int level = 0; level < 3; level++) {
@@ -156,8 +154,7 @@ static void test_characteristics(void **state) {
 }
 
 /* Neither carries a column: all particles go through the floor, the lowest first, and fall on like stones. */
-static void test_collapse(void **state) {
-    (void)state;
+TEST(test_collapse) {
     for (int which = SP_TAPPED_BSR_LITERAL; which <= SP_TAPPED_BSR_SIGNED; which++)
         for (int32_t n = 1; n <= 100; n = n * 3 + 2) {
             sp_tapped_spec c = bsr((sp_tapped_bsr)which);
@@ -179,8 +176,7 @@ static void test_collapse(void **state) {
 }
 
 /* However large alpha_v, sigma asks for no shorter steps. */
-static void test_stiff_sigma(void **state) {
-    (void)state;
+TEST(test_stiff_sigma) {
     for (int which = SP_TAPPED_BSR_CONSERVATIVE; which <= SP_TAPPED_BSR_SIGNED; which++) {
         sp_tapped_spec c = bsr((sp_tapped_bsr)which);
         sp_tapped_report report;
@@ -198,8 +194,7 @@ static void test_stiff_sigma(void **state) {
 
 /* At rest s^2 = (h - N M)^2 + 2 M x: particle i is where the mass below is (i - 1/2) m, over an edge that the floor's
  * contact lets down by N M/2; a distance of M/8 below (27) everywhere. */
-static void test_rest(void **state) {
-    (void)state;
+TEST(test_rest) {
     const int32_t counts[] = {1, 2, 5, 10, 40};
     for (size_t k = 0; k < sizeof counts / sizeof *counts; k++) {
         double drift[3], rest[40];
@@ -236,8 +231,7 @@ static void test_rest(void **state) {
 }
 
 /* Taps of all sizes: mass to rounding, no number lost, order kept between particles. */
-static void test_mass(void **state) {
-    (void)state;
+TEST(test_mass) {
     const double amplitudes[] = {0.01, 0.3, 1.06, 3, 8};
     const int32_t counts[] = {1, 2, 5, 30};
     for (size_t a = 0; a < 5; a++)
@@ -264,8 +258,7 @@ static void test_mass(void **state) {
 }
 
 /* A column let go falls as one, exactly: the grid falls with it. */
-static void test_free_fall(void **state) {
-    (void)state;
+TEST(test_free_fall) {
     sp_tapped_spec c = bsr(SP_TAPPED_BSR_CONSERVATIVE);
     rows r;
     c.particles = 7;
@@ -285,8 +278,7 @@ static void test_free_fall(void **state) {
 
 /* Momentum: a column in flight, compressed below and loose above, has nothing but gravity. The mean of its forty
  * particles stands for the centre of mass, by a midpoint rule. */
-static void test_flight(void **state) {
-    (void)state;
+TEST(test_flight) {
     sp_tapped_spec c = bsr(SP_TAPPED_BSR_CONSERVATIVE);
     rows r;
     c.particles = 40;
@@ -319,8 +311,7 @@ static double distance(const rows *a, const rows *b) {
 
 /* Against the lattice, the four taps of [B]'s five particles: the mean distance over the rows falls with the cells to
  * what the continuum itself leaves out, some hundredths of a centimetre as for the long wave. */
-static void test_lattice(void **state) {
-    (void)state;
+TEST(test_lattice) {
     double mean[3];
     rows exact;
     sp_tapped_spec c = sp_tapped_spec_default();
@@ -340,8 +331,7 @@ static void test_lattice(void **state) {
 }
 
 /* And against the lattice with the same tanh, of more and more particles: about as 1/N. */
-static void test_many(void **state) {
-    (void)state;
+TEST(test_many) {
     double mean[3];
     for (int level = 0; level < 3; level++) {
         rows lattice, r;
@@ -360,8 +350,7 @@ static void test_many(void **state) {
         fail_msg("mean distances %g %g %g cm of 6, 12, 24 particles", mean[0], mean[1], mean[2]);
 }
 
-static void test_repeats(void **state) {
-    (void)state;
+TEST(test_repeats) {
     sp_tapped_spec c = bsr(SP_TAPPED_BSR_CONSERVATIVE);
     for (int which = SP_TAPPED_BSR_CONSERVATIVE; which <= SP_TAPPED_BSR_SIGNED; which++) {
         rows all, few;
@@ -390,8 +379,7 @@ static double smallest_number(const char *text) {
     return smallest;
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     const double unequal[] = {1, 1.5};
     for (int which = SP_TAPPED_BSR_CONSERVATIVE; which <= SP_TAPPED_BSR_SIGNED; which++) {
         sp_tapped_spec c = bsr((sp_tapped_bsr)which);
@@ -438,8 +426,7 @@ static sp_status stop(double t, const double *y, const double *v, void *user, sp
 }
 
 /* Lack of memory at any place, and rows that stop the run: a status, and nothing left behind. */
-static void test_ends(void **state) {
-    (void)state;
+TEST(test_ends) {
     const double t[] = {0, 0.06, 0.09};
     for (int which = SP_TAPPED_BSR_CONSERVATIVE; which <= SP_TAPPED_BSR_SIGNED; which++) {
         sp_tapped_spec c = bsr((sp_tapped_bsr)which);
@@ -460,15 +447,4 @@ static void test_ends(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_force),     cmocka_unit_test(test_characteristics),
-        cmocka_unit_test(test_collapse),  cmocka_unit_test(test_stiff_sigma),
-        cmocka_unit_test(test_rest),      cmocka_unit_test(test_mass),
-        cmocka_unit_test(test_free_fall), cmocka_unit_test(test_flight),
-        cmocka_unit_test(test_lattice),   cmocka_unit_test(test_many),
-        cmocka_unit_test(test_repeats),   cmocka_unit_test(test_refusals),
-        cmocka_unit_test(test_ends),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -39,8 +39,7 @@ static const kind kinds[] = {{SP_TAPPED_LATTICE, SP_TAPPED_BSR_CONSERVATIVE},
 enum { KINDS = sizeof kinds / sizeof *kinds };
 
 /* (42): m/2r in a column that just touches, with every model; to the rounding of y_z = 1 and of the cells' masses. */
-static void test_touching(void **state) {
-    (void)state;
+TEST(test_touching) {
     const double start = 0, mass = 3, radius = 0.7;
     for (int k = 0; k < KINDS; k++)
         for (int32_t n = 1; n <= 50; n += n < 4 ? 1 : 23) {
@@ -61,8 +60,7 @@ static void test_touching(void **state) {
 }
 
 /* Each of unequal particles has m/2r of its own. */
-static void test_unequal(void **state) {
-    (void)state;
+TEST(test_unequal) {
     const double start = 0, mass[] = {1, 0.2, 5}, radius[] = {1, 0.5};
     sp_tapped_spec c = sp_tapped_spec_default();
     rows r;
@@ -91,8 +89,7 @@ static double mass_of(const sp_tapped_spec *c, const rows *r, int64_t k) {
 }
 
 /* The lattice's density over the height is the mass of all at any time. */
-static void test_lattice_mass(void **state) {
-    (void)state;
+TEST(test_lattice_mass) {
     sp_tapped_spec c = sp_tapped_spec_default();
     double t[40];
     rows r;
@@ -106,8 +103,7 @@ static void test_lattice_mass(void **state) {
 
 /* At rest the lattice has m/(h - n M) around a particle with a contact of load n - 1/2 in the mean, M = m g/K, and the
  * continua m/s, s^2 = (h - N M)^2 + 2 M x with (i - 1/2) m below: s = h - (N - i + 1/2) M. */
-static void test_rest(void **state) {
-    (void)state;
+TEST(test_rest) {
     const double start = 0;
     for (int k = 0; k < 3; k++) {
         sp_tapped_spec c = sp_tapped_spec_default();
@@ -127,8 +123,7 @@ static void test_rest(void **state) {
 
 /* The continua's density, integrated over the height, is the mass up to the midpoint rule's error, of second order in
  * 1/N; in the middle of the column, where no end has a say. */
-static void test_mass(void **state) {
-    (void)state;
+TEST(test_mass) {
     const double t[] = {0, 0.3};
     for (int k = 1; k < 3; k++) {
         sp_tapped_spec c = sp_tapped_spec_default();
@@ -149,8 +144,7 @@ static void test_mass(void **state) {
 
 /* (48) with (42) along a path: rho grows as neighbours come closer, by up to a fifth and more here. Their distance
  * stands for that of paths next to each other up to (h^2/6) y_zzz, some percent, as Theta is 3 h wide. */
-static void test_literal(void **state) {
-    (void)state;
+TEST(test_literal) {
     const double t[] = {0, 0.03};
     for (int k = 3; k < KINDS; k++) {
         sp_tapped_spec c = sp_tapped_spec_default();
@@ -173,8 +167,7 @@ static void test_literal(void **state) {
     }
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     const double t[] = {0.5, 0.2};
     for (int k = 0; k < KINDS; k++) {
         sp_tapped_spec c = sp_tapped_spec_default();
@@ -187,11 +180,4 @@ static void test_refusals(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_touching), cmocka_unit_test(test_unequal), cmocka_unit_test(test_lattice_mass),
-        cmocka_unit_test(test_rest),     cmocka_unit_test(test_mass),    cmocka_unit_test(test_literal),
-        cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

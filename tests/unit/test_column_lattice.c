@@ -7,8 +7,7 @@
 static const double PI = 3.14159265358979323846;
 
 /* Five particles of [B]: by a program that agrees with itself to nine digits under half the step and a higher order. */
-static void test_reference(void **state) {
-    (void)state;
+TEST(test_reference) {
     const double expected[] = {0.499205348314, 2.093203277325, 3.784435777282, 5.576736210942, 7.474198032402};
     sp_tapped_spec c = sp_tapped_spec_default();
     column_rows rows = column_run(&c, 1, 0.99, 0.99);
@@ -23,8 +22,7 @@ static void test_reference(void **state) {
 }
 
 /* One ball that comes down onto the floor at 1 km/s with next to no gravity leaves at sqrt((1 - e)/(1 + e)) of it. */
-static void test_restitution(void **state) {
-    (void)state;
+TEST(test_restitution) {
     for (double e = 0; e < 0.999; e = e * 1.2 + 0.09) {
         sp_tapped_spec c = sp_tapped_spec_default();
         c.particles = 1;
@@ -45,8 +43,7 @@ static void test_restitution(void **state) {
 }
 
 /* Dropped from 1 cm: up to 1.583734480. The peak by the parabola from a row in the flight. */
-static void test_drop(void **state) {
-    (void)state;
+TEST(test_drop) {
     sp_tapped_spec c = sp_tapped_spec_default();
     c.particles = 1;
     c.amplitude = 0;
@@ -62,8 +59,7 @@ static void test_drop(void **state) {
 
 /* e = 0: mode k of N balls on a floor at rest, a quarter of a period after it was let go, is at rest's positions.
  * Rounding of overlaps near 1 cm, over the amplitude: the frequency to 1e-12. */
-static void test_elastic_modes(void **state) {
-    (void)state;
+TEST(test_elastic_modes) {
     const int32_t sizes[] = {1, 2, 5, 23};
     for (size_t n = 0; n < sizeof sizes / sizeof *sizes; n++)
         for (int32_t k = 1; k <= sizes[n]; k += 1 + sizes[n] / 4) {
@@ -116,8 +112,7 @@ static sp_tapped_spec random_spec(sp_random *r, int32_t most, double *mass, doub
 }
 
 /* E - E0 = int F0 dy0 - sum int e K delta |w| dt, for equal and unequal particles, any e, f, T, a, K. */
-static void test_energy_balance(void **state) {
-    (void)state;
+TEST(test_energy_balance) {
     const uint64_t seed = 1106;
     sp_random r = sp_random_make(seed, 1);
     for (int k = 0; k < 60; k++) {
@@ -141,8 +136,7 @@ static void test_energy_balance(void **state) {
 
 /* Impacts of unlike balls on stiff contacts: forces are thousands of weights then, and what decides which contacts
  * stick must be judged by them. Energies round with the ratio of the masses. */
-static void test_unlike_masses(void **state) {
-    (void)state;
+TEST(test_unlike_masses) {
     const uint64_t seed = 505;
     sp_random r = sp_random_make(seed, 1);
     for (int k = 0; k < 300; k++) {
@@ -181,8 +175,7 @@ static void test_unlike_masses(void **state) {
 }
 
 /* Any state within the band n_i M/(1 + e) .. n_i M/(1 - e) rests for ever, to the last bit; one outside does not. */
-static void test_rest_states_are_a_band(void **state) {
-    (void)state;
+TEST(test_rest_states_are_a_band) {
     sp_random r = sp_random_make(3, 1);
     const int32_t sizes[] = {1, 5, 80, 300};
     for (size_t n = 0; n < sizeof sizes / sizeof *sizes; n++) {
@@ -210,8 +203,7 @@ static void test_rest_states_are_a_band(void **state) {
 }
 
 /* Masses and stiffness doubled, or all lengths, change nothing but units; with powers of two, not a bit. */
-static void test_units(void **state) {
-    (void)state;
+TEST(test_units) {
     const double two = 2, four = 4;
     sp_tapped_spec c = sp_tapped_spec_default(), heavy, large;
     c.particles = 12;
@@ -232,8 +224,7 @@ static void test_units(void **state) {
 }
 
 /* Rows are looked at, not steps made: more of them change nothing. */
-static void test_rows_change_nothing(void **state) {
-    (void)state;
+TEST(test_rows_change_nothing) {
     sp_tapped_spec c = sp_tapped_spec_default();
     c.particles = 10;
     c.frequency = 9.5;
@@ -254,8 +245,7 @@ static void test_rows_change_nothing(void **state) {
 
 /* [B]'s column at half the period: ordering (1) fails, -0.25 cm in the fourth tap. Without friction there is no event
  * where overlaps are largest. */
-static void test_violations_are_reported(void **state) {
-    (void)state;
+TEST(test_violations_are_reported) {
     for (int k = 0; k < 2; k++) {
         sp_tapped_spec c = sp_tapped_spec_default();
         c.period = 0.5;
@@ -280,18 +270,4 @@ static void test_violations_are_reported(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reference),
-        cmocka_unit_test(test_restitution),
-        cmocka_unit_test(test_drop),
-        cmocka_unit_test(test_elastic_modes),
-        cmocka_unit_test(test_energy_balance),
-        cmocka_unit_test(test_unlike_masses),
-        cmocka_unit_test(test_rest_states_are_a_band),
-        cmocka_unit_test(test_units),
-        cmocka_unit_test(test_rows_change_nothing),
-        cmocka_unit_test(test_violations_are_reported),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

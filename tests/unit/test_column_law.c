@@ -113,8 +113,7 @@ static int64_t check_column(const sp_tapped_spec *c, sp_random *random, counts *
     return checked;
 }
 
-static void test_law(void **state) {
-    (void)state;
+TEST(test_law) {
     const uint64_t seed = 4711;
     sp_random random = sp_random_make(seed, 1);
     const int32_t sizes[] = {1, 2, 3, 5, 10, 20, 50, 80, 130, 250};
@@ -141,7 +140,4 @@ static void test_law(void **state) {
     assert_true(n.moving > 10000 && n.sticking > 10000 && n.open > 3000);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_law)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -18,8 +18,7 @@ static sp_tapped_spec gentle(void) {
 }
 
 /* Rounding of heights up to 20 makes forces of K h/dz 4e-15, a 1e-13 of the weight; it drives nothing. */
-static void test_untapped_stays(void **state) {
-    (void)state;
+TEST(test_untapped_stays) {
     for (int32_t n = 1; n <= 10; n += 3)
         for (int32_t cells = 1; cells <= 8; cells += cells == 1 ? 2 : 5) {
             sp_tapped_spec c = longwave();
@@ -45,8 +44,7 @@ static void test_untapped_stays(void **state) {
 }
 
 /* Free fall of all labels, exactly, until the floor. */
-static void test_falls_freely(void **state) {
-    (void)state;
+TEST(test_falls_freely) {
     sp_tapped_spec c = longwave();
     c.amplitude = 0;
     c.drop = 2;
@@ -83,8 +81,7 @@ static double order_of(sp_tapped_spec c, int runs, bool in_time, double first) {
 
 /* Linear elements: order 2, and 1 to 2 where contacts open and close, at places that no grid knows. The last run stands
  * for the limit, which bends the line upwards: by 0.3 at most over four halvings of order 1 (ln 2/ln 8). */
-static void test_order_in_cells(void **state) {
-    (void)state;
+TEST(test_order_in_cells) {
     sp_tapped_spec c = gentle();
     c.time_step = 5e-5; /* errors of 1e-9, a hundredth of the finest grid's */
     const double smooth = order_of(c, 5, false, 2), rough = order_of(longwave(), 6, false, 1);
@@ -95,8 +92,7 @@ static void test_order_in_cells(void **state) {
 
 /* Runge-Kutta of order 4, and at least 2 where contacts open and close: (1 - y_z)_+ has a kink. Steps that are whole
  * over one jump of the floor and not over the other would be of order 1. */
-static void test_order_in_time(void **state) {
-    (void)state;
+TEST(test_order_in_time) {
     const double smooth = order_of(gentle(), 4, true, 1e-4), rough = order_of(longwave(), 5, true, 1e-4);
     print_message("order in time: %.2f gentle, %.2f violent\n", smooth, rough);
     assert_true(smooth > 3.8);
@@ -117,8 +113,7 @@ static double line(const column_rows *rows, double omega) {
 /* Standing waves without e, u = cos k (L - z), have u_z = 0 at the free top and, by omega^2 = c^2 k^2/(1 + (k h)^2/12),
  * k h tan k L = 2 (1 + (k h)^2/12) at the floor. A short small tap rings them; the spectrum of the top particle's
  * velocity over 9.9 s (lines 0.6/s apart) peaks at them. Without dispersion the third would be 15 percent off. */
-static void test_dispersion(void **state) {
-    (void)state;
+TEST(test_dispersion) {
     sp_tapped_spec c = longwave();
     c.e = 0;
     c.alpha_v = 0.1;
@@ -152,8 +147,7 @@ static void test_dispersion(void **state) {
 
 /* Work - dissipation is the gain of energy, at the order of the steps; without e nothing is lost, with e never gained.
  */
-static void test_energy(void **state) {
-    (void)state;
+TEST(test_energy) {
     for (int part = 0; part < 2; part++) {
         sp_tapped_spec c = longwave();
         c.e = part ? 0.09 : 0;
@@ -176,8 +170,7 @@ static void test_energy(void **state) {
 }
 
 /* Mean distance from the lattice with the same tanh while the column moves, [0, 0.5 s] of a tap: it falls with N. */
-static void test_nears_the_lattice(void **state) {
-    (void)state;
+TEST(test_nears_the_lattice) {
     const double bound[] = {0.15, 0.06, 0.025};
     double before = INFINITY;
     for (int q = 0; q < 3; q++) {
@@ -198,8 +191,7 @@ static void test_nears_the_lattice(void **state) {
 }
 
 /* Rows are looked at, not stepped to. */
-static void test_rows_change_nothing(void **state) {
-    (void)state;
+TEST(test_rows_change_nothing) {
     sp_tapped_spec c = longwave();
     c.particles = 3;
     column_rows few = column_run(&c, 3, 0, 1), many = column_run(&c, 401, 0, 1);
@@ -215,8 +207,7 @@ static void test_rows_change_nothing(void **state) {
 
 /* At the bound for elastic waves rounding must not grow, whatever the grid; at 0.8/sqrt(K/m) it does, with 8
  * cells or more, for the floor's spring adds to the highest frequency. */
-static void test_stable_up_to_the_bound(void **state) {
-    (void)state;
+TEST(test_stable_up_to_the_bound) {
     sp_tapped_spec c = longwave();
     c.amplitude = 0;
     c.taps = 5;
@@ -236,8 +227,7 @@ static void test_stable_up_to_the_bound(void **state) {
 }
 
 /* With friction the steps follow the overlap, and stay stable far beyond the alpha_v that the elastic bound allows. */
-static void test_damped_steps(void **state) {
-    (void)state;
+TEST(test_damped_steps) {
     sp_tapped_spec c = longwave();
     c.alpha_v = 10;
     c.e = 0.5;
@@ -249,8 +239,7 @@ static void test_damped_steps(void **state) {
     column_free(&rows);
 }
 
-static void test_refuses(void **state) {
-    (void)state;
+TEST(test_refuses) {
     const double t = 0, masses[] = {1, 1, 2}, radii[] = {1, 0.5};
     column_rows unused = {.width = 6};
     sp_tapped_spec c = longwave();
@@ -270,8 +259,7 @@ static void test_refuses(void **state) {
     assert_int_equal(unused.done, 0);
 }
 
-static void test_memory(void **state) {
-    (void)state;
+TEST(test_memory) {
     sp_tapped_spec c = longwave();
     c.period = 0.1;
     c.particles = 2;
@@ -289,20 +277,4 @@ static void test_memory(void **state) {
     column_free(&rows);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_untapped_stays),
-        cmocka_unit_test(test_falls_freely),
-        cmocka_unit_test(test_order_in_cells),
-        cmocka_unit_test(test_order_in_time),
-        cmocka_unit_test(test_dispersion),
-        cmocka_unit_test(test_energy),
-        cmocka_unit_test(test_nears_the_lattice),
-        cmocka_unit_test(test_rows_change_nothing),
-        cmocka_unit_test(test_stable_up_to_the_bound),
-        cmocka_unit_test(test_damped_steps),
-        cmocka_unit_test(test_refuses),
-        cmocka_unit_test(test_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -12,8 +12,7 @@ static sp_tapped_spec one_particle(double period) {
 }
 
 /* The fixed point at T = 0.2 s, and its multipliers by the product over turning points. */
-static void test_floquet(void **state) {
-    (void)state;
+TEST(test_floquet) {
     sp_tapped_spec c = one_particle(0.2);
     sp_tapped_state s;
     double d[4], y, v;
@@ -34,8 +33,7 @@ static void test_floquet(void **state) {
 }
 
 /* The same number by the growth of a tangent, without the multipliers: an orbit that is cut off before it closes. */
-static void test_average_agrees_with_multipliers(void **state) {
-    (void)state;
+TEST(test_average_agrees_with_multipliers) {
     sp_tapped_spec c = one_particle(0.2);
     c.transient = 40; /* closed to 1e-4 only */
     c.taps = 3000;
@@ -46,8 +44,7 @@ static void test_average_agrees_with_multipliers(void **state) {
     assert_true(found.error < 1e-4);
 }
 
-static void test_period_two(void **state) {
-    (void)state;
+TEST(test_period_two) {
     sp_tapped_spec c = one_particle(0.7);
     sp_tapped_state s;
     assert_ok(sp_tapped_state_make(&c, &s, &err));
@@ -78,8 +75,7 @@ static double shifted(const sp_tapped_spec *c, const sp_tapped_state *s, int32_t
 }
 
 /* Saltations included: against central differences, wherever no event comes or goes within h. */
-static void test_derivative(void **state) {
-    (void)state;
+TEST(test_derivative) {
     const int32_t sizes[] = {1, 2, 3, 6};
     for (size_t n = 0; n < 4; n++) {
         sp_tapped_spec c = one_particle(0.2);
@@ -108,8 +104,7 @@ static void test_derivative(void **state) {
 }
 
 /* Two taps are one tap and one more; what a run gives at the end of a tap is what the map gives. */
-static void test_map_is_the_run(void **state) {
-    (void)state;
+TEST(test_map_is_the_run) {
     sp_tapped_spec c = sp_tapped_spec_default();
     c.particles = 7;
     c.period = 0.31;
@@ -134,8 +129,7 @@ static void test_map_is_the_run(void **state) {
 }
 
 /* [B]'s settings are not chaotic; one ball tapped every 0.15 s is. */
-static void test_order_and_chaos(void **state) {
-    (void)state;
+TEST(test_order_and_chaos) {
     sp_tapped_exponent found;
     for (int32_t n = 5; n <= 10; n += 5) {
         sp_tapped_spec c = sp_tapped_spec_default();
@@ -153,8 +147,7 @@ static void test_order_and_chaos(void **state) {
     assert_true(found.lambda > 0.1 && found.error < 0.2);
 }
 
-static void test_diagram_does_not_depend_on_threads(void **state) {
-    (void)state;
+TEST(test_diagram_does_not_depend_on_threads) {
     const sp_tapped_output outputs[] = {SP_TAPPED_LYAPUNOV, SP_TAPPED_BIFURCATION};
     for (int k = 0; k < 2; k++) {
         sp_tapped_spec c = one_particle(0.2);
@@ -185,8 +178,7 @@ static void test_diagram_does_not_depend_on_threads(void **state) {
     }
 }
 
-static void test_diagrams_refuse(void **state) {
-    (void)state;
+TEST(test_diagrams_refuse) {
     sp_table t;
     sp_tapped_spec c = one_particle(0.2);
     c.output = SP_TAPPED_BIFURCATION;
@@ -203,16 +195,4 @@ static void test_diagrams_refuse(void **state) {
     assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.points column.taps");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_floquet),
-        cmocka_unit_test(test_average_agrees_with_multipliers),
-        cmocka_unit_test(test_period_two),
-        cmocka_unit_test(test_derivative),
-        cmocka_unit_test(test_map_is_the_run),
-        cmocka_unit_test(test_order_and_chaos),
-        cmocka_unit_test(test_diagram_does_not_depend_on_threads),
-        cmocka_unit_test(test_diagrams_refuse),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

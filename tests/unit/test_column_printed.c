@@ -19,8 +19,7 @@ static sp_tapped_symbol symbol(const sp_tapped_spec *c, sp_tapped_model model, d
 
 /* At alpha = 1/h, slope 1: C = 5/6 + 1/3 + h^2 = 31/6 and A- = 6.5; the fastest grows at 3 C sqrt(K/(m A-)), some 850
  * /s, where k^2 = 18 C/(A- h^2). */
-static void test_37_grows(void **state) {
-    (void)state;
+TEST(test_37_grows) {
     const sp_tapped_spec c = ten();
     const double k = sqrt(18 * 31 / 6.0 / 6.5 / 4), top = 15.5 * sqrt(20 * 980.67 / 6.5);
     assert_close(top, 850, 5);
@@ -31,8 +30,7 @@ static void test_37_grows(void **state) {
 }
 
 /* Twice k, four times the growth, far enough out; long waves do not grow. */
-static void test_35_grows_without_bound(void **state) {
-    (void)state;
+TEST(test_35_grows_without_bound) {
     const sp_tapped_spec c = ten();
     assert_close(symbol(&c, SP_TAPPED_EQ35, 1, 1).growth, 0, 0);
     for (double k = 1e3; k < 1e6; k *= 10) {
@@ -43,8 +41,7 @@ static void test_35_grows_without_bound(void **state) {
 }
 
 /* (35) by finite differences: its right-hand side, written out with all terms, applied to s z + epsilon cos k z. */
-static void test_35_is_the_linearised_right_hand_side(void **state) {
-    (void)state;
+TEST(test_35_is_the_linearised_right_hand_side) {
     const sp_tapped_spec c = ten();
     const double h = 2, kh2m = 20 * 980.67 * 4;
     for (double alpha = 0.2; alpha < 1; alpha += 0.25)
@@ -66,8 +63,7 @@ static void test_35_is_the_linearised_right_hand_side(void **state) {
 /* What (35) is meant to expand is phi(X) = X chi(X) about X = 2 r. With chi = 1/2 + (alpha X - (alpha X)^3/3)/2, all
  * that (36) has of (30), phi is a polynomial of the fourth order and its derivative at X = 2 r - Dy exact: -1/6 at Dy =
  * h and alpha = 1/h, where all of (30) has 1/2. */
-static void test_expansion_has_the_wrong_sign(void **state) {
-    (void)state;
+TEST(test_expansion_has_the_wrong_sign) {
     const sp_tapped_spec c = ten();
     const double kh2m = 20 * 980.67 * 4;
     assert_relative(sp_tapped_expansion_speed2(&c, 0.5, 1), -kh2m / 6, 1e-12);
@@ -83,8 +79,7 @@ static void test_expansion_has_the_wrong_sign(void **state) {
 }
 
 /* omega^2 (1 + h^2 k^2/12) = c^2 k^2 without e; always damped with it; nothing where contacts are open. */
-static void test_longwave_is_well_posed(void **state) {
-    (void)state;
+TEST(test_longwave_is_well_posed) {
     sp_tapped_spec c = ten();
     const double k_over_m = 20 * 980.67;
     c.e = 0;
@@ -118,8 +113,7 @@ static sp_status no_row(double t, const double *y, const double *v, void *user, 
     return SP_OK;
 }
 
-static void test_refused(void **state) {
-    (void)state;
+TEST(test_refused) {
     sp_tapped_spec c = ten();
     const double t = 0;
     int rows = 0;
@@ -136,14 +130,4 @@ static void test_refused(void **state) {
     assert_fails(sp_tapped_symbol_at(&c, SP_TAPPED_EQ35, 0.5, NAN, 1, &s, &err), SP_EINVAL, "slope nan");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_37_grows),
-        cmocka_unit_test(test_35_grows_without_bound),
-        cmocka_unit_test(test_35_is_the_linearised_right_hand_side),
-        cmocka_unit_test(test_expansion_has_the_wrong_sign),
-        cmocka_unit_test(test_longwave_is_well_posed),
-        cmocka_unit_test(test_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -29,8 +29,7 @@ static sp_tapped_spec dropped(double e) {
 /* Without e the ball comes back to where it fell from. A step may err by the tolerance of 2 sqrt(2 g), at 44 cm/s four
  * times it in height; ten steps in contact; and ten times that where a step has the kink at contact in it, of which the
  * difference of the two orders sees a part. */
-static void test_elastic_drop(void **state) {
-    (void)state;
+TEST(test_elastic_drop) {
     sp_tapped_spec c = dropped(0);
     for (c.tolerance = 1e-5; c.tolerance > 1e-13; c.tolerance *= 1e-2) {
         const double off = peak(&c, 0.16) - 2;
@@ -42,8 +41,7 @@ static void test_elastic_drop(void **state) {
 /* With e it comes back to 1.583734480 cm as alpha_v grows (the value is that of the sharp law, to all digits): at the
  * turning point the force lacks tanh(alpha_v v) while |v| < 1/alpha_v, for a time that falls like 1/alpha_v, at a
  * velocity that does so, too. */
-static void test_drop_nears_the_sharp_law(void **state) {
-    (void)state;
+TEST(test_drop_nears_the_sharp_law) {
     sp_tapped_spec c = dropped(0.09);
     enum { RUNS = 5 };
     double alpha[RUNS], error[RUNS];
@@ -59,8 +57,7 @@ static void test_drop_nears_the_sharp_law(void **state) {
 }
 
 /* A column: contacts that the sharp law holds creep, at velocities like 1/alpha_v. */
-static void test_column_nears_the_events(void **state) {
-    (void)state;
+TEST(test_column_nears_the_events) {
     sp_tapped_spec c = lattice(SP_TAPPED_EVENT);
     enum { RUNS = 5 };
     double alpha[RUNS], work[RUNS], error[RUNS];
@@ -84,8 +81,7 @@ static void test_column_nears_the_events(void **state) {
 static const double masses[] = {1, 0.7, 1.3}, radii[] = {1, 0.8};
 
 /* Unequal particles rest in the like of (27). */
-static void test_rests(void **state) {
-    (void)state;
+TEST(test_rests) {
     sp_tapped_spec c = lattice(SP_TAPPED_SMOOTH);
     c.particles = 7;
     c.amplitude = 0;
@@ -108,8 +104,7 @@ static void test_rests(void **state) {
 }
 
 /* E - E0 = work - dissipated, with chi sharp or smooth (whose energy has a dilogarithm), to the tolerance. */
-static void test_energy(void **state) {
-    (void)state;
+TEST(test_energy) {
     sp_tapped_spec c = lattice(SP_TAPPED_SMOOTH);
     c.masses = 3;
     c.mass = masses;
@@ -131,8 +126,7 @@ static void test_energy(void **state) {
 }
 
 /* alpha_x to infinity is the sharp step. */
-static void test_steps_sharpen(void **state) {
-    (void)state;
+TEST(test_steps_sharpen) {
     sp_tapped_spec c = lattice(SP_TAPPED_SMOOTH);
     c.particles = 3;
     column_rows sharp = column_run(&c, 21, 0, 0.1);
@@ -150,8 +144,7 @@ static void test_steps_sharpen(void **state) {
 }
 
 /* The smallest separation and the first violation, as the events have them. */
-static void test_separation(void **state) {
-    (void)state;
+TEST(test_separation) {
     sp_tapped_spec c = lattice(SP_TAPPED_EVENT);
     c.particles = 1;
     column_rows exact = column_run(&c, 1, 0, 0);
@@ -170,8 +163,7 @@ static void test_separation(void **state) {
 }
 
 /* Plain Runge-Kutta of order 4 is of order 1 here. */
-static void test_rk4_is_of_first_order(void **state) {
-    (void)state;
+TEST(test_rk4_is_of_first_order) {
     sp_tapped_spec c = lattice(SP_TAPPED_EVENT);
     column_rows exact = column_run(&c, 41, 0, 0.2);
     c.method = SP_TAPPED_RK4;
@@ -191,8 +183,7 @@ static void test_rk4_is_of_first_order(void **state) {
 }
 
 /* After a tap one ball sticks at y = 0.4545, within the band of rest; plain steps let it creep towards (27)'s 0.5. */
-static void test_rk4_creeps(void **state) {
-    (void)state;
+TEST(test_rk4_creeps) {
     sp_tapped_spec c = lattice(SP_TAPPED_EVENT);
     c.particles = 1;
     c.period = 4;
@@ -211,8 +202,7 @@ static void test_rk4_creeps(void **state) {
     column_free(&finer);
 }
 
-static void test_rk4_elastic(void **state) {
-    (void)state;
+TEST(test_rk4_elastic) {
     sp_tapped_spec c = dropped(0);
     c.method = SP_TAPPED_RK4;
     enum { RUNS = 4 };
@@ -226,8 +216,7 @@ static void test_rk4_elastic(void **state) {
 }
 
 /* Taps end and floors stop between steps, whatever their length: rows on both sides of the jumps. */
-static void test_floor(void **state) {
-    (void)state;
+TEST(test_floor) {
     for (int method = 0; method < 2; method++) {
         sp_tapped_spec c = lattice(method ? SP_TAPPED_RK4 : SP_TAPPED_SMOOTH);
         c.taps = 3;
@@ -246,8 +235,7 @@ static void test_floor(void **state) {
     }
 }
 
-static void test_refuses(void **state) {
-    (void)state;
+TEST(test_refuses) {
     const double t = 0;
     column_rows unused = {.width = 6};
     sp_tapped_spec c = lattice(SP_TAPPED_SMOOTH);
@@ -260,8 +248,7 @@ static void test_refuses(void **state) {
     assert_fails(sp_tapped_run(&c, 0, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step");
 }
 
-static void test_memory(void **state) {
-    (void)state;
+TEST(test_memory) {
     for (int method = 0; method < 2; method++) {
         sp_tapped_spec c = lattice(method ? SP_TAPPED_RK4 : SP_TAPPED_SMOOTH);
         c.period = 0.1;
@@ -281,21 +268,4 @@ static void test_memory(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_elastic_drop),
-        cmocka_unit_test(test_drop_nears_the_sharp_law),
-        cmocka_unit_test(test_column_nears_the_events),
-        cmocka_unit_test(test_rests),
-        cmocka_unit_test(test_energy),
-        cmocka_unit_test(test_steps_sharpen),
-        cmocka_unit_test(test_separation),
-        cmocka_unit_test(test_rk4_is_of_first_order),
-        cmocka_unit_test(test_rk4_creeps),
-        cmocka_unit_test(test_rk4_elastic),
-        cmocka_unit_test(test_floor),
-        cmocka_unit_test(test_refuses),
-        cmocka_unit_test(test_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

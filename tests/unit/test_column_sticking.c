@@ -50,8 +50,7 @@ static void check_tube(const tube *t) {
     }
 }
 
-static void test_taut_string(void **state) {
-    (void)state;
+TEST(test_taut_string) {
     sp_random r = sp_random_make(20110101, 1);
     static tube t;
     for (int k = 0; k < 3000; k++) {
@@ -62,8 +61,7 @@ static void test_taut_string(void **state) {
 }
 
 /* Unbounded nodes, as rates have them, and fixed ones in between. */
-static void test_taut_string_unbounded(void **state) {
-    (void)state;
+TEST(test_taut_string_unbounded) {
     const double x[] = {1, 2, 3, 4}, lo[] = {-INFINITY, 0, -INFINITY, 0}, hi[] = {0, INFINITY, INFINITY, 0};
     const taut_ends ends = {0, 0, false, 5, 4, 0};
     double f[4], bend[4];
@@ -80,8 +78,7 @@ static double value(const double *f, int n, double x) {
     return sum;
 }
 
-static void test_first_root(void **state) {
-    (void)state;
+TEST(test_first_root) {
     sp_random r = sp_random_make(7, 1);
     int found = 0;
     for (int k = 0; k < 4000; k++) {
@@ -105,8 +102,7 @@ static void test_first_root(void **state) {
 
 /* Two zeros near each other, a double one, and none by a hair: the place where Newton's method from the other side, or
  * a look at the ends of the step, goes wrong. */
-static void test_grazing_roots(void **state) {
-    (void)state;
+TEST(test_grazing_roots) {
     for (double gap = 1e-3; gap > 1e-7; gap /= 10) {
         const double twice[] = {-(0.25 - gap * gap), 1, -1}; /* -(x - 1/2)^2 + gap^2 */
         assert_close(sp_first_root(twice, 2, 1), 0.5 - gap, 1e-16 / gap + 1e-15);
@@ -121,12 +117,4 @@ static void test_grazing_roots(void **state) {
     assert_true(isinf(sp_first_root(zero, 2, 1)));
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_taut_string),
-        cmocka_unit_test(test_taut_string_unbounded),
-        cmocka_unit_test(test_first_root),
-        cmocka_unit_test(test_grazing_roots),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

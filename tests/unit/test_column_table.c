@@ -22,8 +22,7 @@ static bool has_comment(const sp_table *t, const char *begin) {
     return false;
 }
 
-static void shapes_of_the_tables(void **state) {
-    (void)state;
+TEST(shapes_of_the_tables) {
     static const struct {
         sp_tapped_output output;
         int64_t rows;
@@ -47,8 +46,7 @@ static void shapes_of_the_tables(void **state) {
     }
 }
 
-static void the_last_row_is_the_end(void **state) {
-    (void)state;
+TEST(the_last_row_is_the_end) {
     sp_tapped_spec c = small(SP_TAPPED_TRAJECTORY);
     static const double periods[] = {1, 0.7, 1.0 / 3, 0.1};
     for (size_t k = 0; k < sizeof periods / sizeof *periods; k++) {
@@ -67,8 +65,7 @@ static void the_last_row_is_the_end(void **state) {
     sp_table_free(&t);
 }
 
-static void long_lists_are_cut_in_comments(void **state) {
-    (void)state;
+TEST(long_lists_are_cut_in_comments) {
     double mass[40];
     for (int k = 0; k < 40; k++)
         mass[k] = 1 + 1.0 / (3 + k);
@@ -83,8 +80,7 @@ static void long_lists_are_cut_in_comments(void **state) {
     sp_table_free(&t);
 }
 
-static void warnings_stand_in_the_comments(void **state) {
-    (void)state;
+TEST(warnings_stand_in_the_comments) {
     sp_tapped_report report = {.violated_at = 1.5, .violated = 3};
     const sp_tapped_spec c = small(SP_TAPPED_TRAJECTORY);
     sp_table t = sp_table_none();
@@ -123,8 +119,7 @@ static bool stop_at_half(double share, void *user) {
     return share < 0.5;
 }
 
-static void stopped_in_the_middle(void **state) {
-    (void)state;
+TEST(stopped_in_the_middle) {
     static const sp_tapped_output outputs[] = {SP_TAPPED_TRAJECTORY, SP_TAPPED_STROBE, SP_TAPPED_ENERGY,
                                                SP_TAPPED_DENSITY};
     for (size_t k = 0; k < sizeof outputs / sizeof *outputs; k++) {
@@ -140,8 +135,7 @@ static void stopped_in_the_middle(void **state) {
     }
 }
 
-static void refused(void **state) {
-    (void)state;
+TEST(refused) {
     sp_table t;
     sp_tapped_spec c = small(SP_TAPPED_ENERGY);
     c.model = SP_TAPPED_LONGWAVE;
@@ -163,8 +157,7 @@ static void refused(void **state) {
 }
 
 /* Every allocation fails once: a reason, no leak (the sanitizers look), nothing written. */
-static void lack_of_memory(void **state) {
-    (void)state;
+TEST(lack_of_memory) {
     static const sp_tapped_output outputs[] = {SP_TAPPED_TRAJECTORY, SP_TAPPED_STROBE, SP_TAPPED_ENERGY,
                                                SP_TAPPED_DENSITY, SP_TAPPED_COMPARE};
     for (size_t k = 0; k < sizeof outputs / sizeof *outputs; k++) {
@@ -188,15 +181,4 @@ static void lack_of_memory(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(shapes_of_the_tables),
-        cmocka_unit_test(the_last_row_is_the_end),
-        cmocka_unit_test(long_lists_are_cut_in_comments),
-        cmocka_unit_test(warnings_stand_in_the_comments),
-        cmocka_unit_test(stopped_in_the_middle),
-        cmocka_unit_test(refused),
-        cmocka_unit_test(lack_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -7,8 +7,7 @@
 static const double PI = 3.14159265358979323846;
 
 /* Without n1 the two components are alone: n pi c/L2 of either kind. With C12 = -C33 they are alone for every n1. */
-static void test_decoupled(void **state) {
-    (void)state;
+TEST(test_decoupled) {
     const double box[2] = {7, 5}, density = 0.6;
     for (int n1 = 0; n1 < 4; n1++) {
         const sp_moduli m = {.c11 = 3, .c12 = n1 == 0 ? 1.3 : -0.7, .c22 = 2, .c33 = 0.7};
@@ -37,8 +36,7 @@ static void test_decoupled(void **state) {
 
 /* Coupled: tied to the weak form by a variational principle, a sum of squares over a fine grid, which no basis of the
  * solver enters: the Rayleigh quotient of a mode is its frequency to the order of the grid, h^2. */
-static void test_coupled(void **state) {
-    (void)state;
+TEST(test_coupled) {
     enum { GRID = 4000 };
     const sp_moduli m = {.c11 = 1.3e-2, .c12 = 7e-3, .c22 = 1.8e-2, .c33 = 4e-3};
     const double box[2] = {24, 25}, density = 0.53, h = box[1] / GRID;
@@ -72,8 +70,7 @@ static void test_coupled(void **state) {
     }
 }
 
-static void test_packing(void **state) {
-    (void)state;
+TEST(test_packing) {
     sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
     sp_network net = sp_network_none();
     const sp_network_options o = sp_network_options_default();
@@ -127,8 +124,4 @@ static void test_packing(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_decoupled), cmocka_unit_test(test_coupled),
-                                       cmocka_unit_test(test_packing)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

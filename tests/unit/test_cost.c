@@ -61,8 +61,7 @@ static recorded record(const sp_pack_spec *spec) {
 
 /* Unlike compressions: what is said never grows, is right within 2 at a third, and is small at the end: the third of
  * them all where a third more steps were expected. */
-static void test_remaining_never_grows(void **state) {
-    (void)state;
+TEST(test_remaining_never_grows) {
     const sp_pack_spec specs[] = {small(2, 1e-4, 0.5, SP_PROTOCOL_DEFAULT), small(2, 1e-6, 0.5, SP_PROTOCOL_DEFAULT),
                                   small(2, 1e-3, 0, SP_PROTOCOL_DEFAULT), small(3, 1e-4, 0.5, SP_PROTOCOL_DEFAULT)};
     for (size_t k = 0; k < sizeof specs / sizeof *specs; k++) {
@@ -89,8 +88,7 @@ static sp_pack_spec tall(void) {
 
 /* The steps that are expected are those that are taken, within 2. A cell at 1e-3 takes a fifth of those of a piston, an
  * affine compression a third: their own laws are what is tested. */
-static void test_steps(void **state) {
-    (void)state;
+TEST(test_steps) {
     SKIP_SANITIZED();
     const sp_pack_spec specs[] = {small(2, 1e-5, 0.3, SP_PROTOCOL_DEFAULT),
                                   small(2, 1e-4, 0.5, SP_PROTOCOL_QUICK),
@@ -110,8 +108,7 @@ static void test_steps(void **state) {
 }
 
 /* A clock ten times slower than expected, and work of three times the expected amount. */
-static void test_surprises(void **state) {
-    (void)state;
+TEST(test_surprises) {
     sp_remaining r = sp_remaining_begin(100, 0, 0.1);
     double before = INFINITY;
     for (int k = 1; k <= 300; k++) {
@@ -127,8 +124,7 @@ static void test_surprises(void **state) {
 }
 
 /* Costs grow with the size, and follow the machine. */
-static void test_laws(void **state) {
-    (void)state;
+TEST(test_laws) {
     const sp_machine one = sp_machine_reference();
     sp_machine slow = one;
     for (int k = 0; k < SP_KERNELS; k++)
@@ -161,8 +157,7 @@ static void test_laws(void **state) {
 }
 
 /* Every compression has a law, and the memory that is foretold is that by which one is refused. */
-static void test_every_compression(void **state) {
-    (void)state;
+TEST(test_every_compression) {
     const sp_machine one = sp_machine_reference();
     for (int k = 0; k < 48; k++) {
         sp_pack_spec spec = small(2 + k % 2, 1e-4, k / 2 % 2 ? 0.5 : 0, (sp_protocol)(k / 4 % 4));
@@ -180,8 +175,7 @@ static void test_every_compression(void **state) {
 }
 
 /* The kernels do their work; how fast is not asked. */
-static void test_machine(void **state) {
-    (void)state;
+TEST(test_machine) {
     sp_machine m;
     assert_ok(sp_machine_measure((1U << SP_KERNELS) - 1, &m, &err));
     for (int k = 0; k < SP_KERNELS; k++)
@@ -195,8 +189,7 @@ static sp_stored every_third(void *user, const sp_scene *scene, const char *name
 }
 
 /* Samples are counted, and only the missing ones cost. */
-static void test_study(void **state) {
-    (void)state;
+TEST(test_study) {
     const sp_machine one = sp_machine_reference();
     const sp_study_options o = {.jobs = 1, .shard = 1, .shards = 1, .threads = 1};
     sp_scene scene;
@@ -216,13 +209,4 @@ static void test_study(void **state) {
     sp_scene_free(&scene);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_remaining_never_grows),
-                                       cmocka_unit_test(test_steps),
-                                       cmocka_unit_test(test_surprises),
-                                       cmocka_unit_test(test_laws),
-                                       cmocka_unit_test(test_every_compression),
-                                       cmocka_unit_test(test_machine),
-                                       cmocka_unit_test(test_study)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -14,8 +14,7 @@ static double cell(const sp_table *t, int64_t row, const char *name) {
 
 /* Integrals are 1, and F_2 = <n_y^2> of the histogram is that of the statics, to the width of the bins: averaging
  * sin^2 over 5 degrees shrinks its deviation from 1/2 by sin(h)/h at h = 5 degrees, 0.13%. */
-static void test_integrals_and_fabric(void **state) {
-    (void)state;
+TEST(test_integrals_and_fabric) {
     sp_packing p = reference_packing(PACKING);
     sp_contact_counts c = sp_contact_counts_none();
     sp_table angles = sp_table_none(), values = sp_table_none();
@@ -57,8 +56,7 @@ static void test_integrals_and_fabric(void **state) {
 }
 
 /* In a triangular lattice the bonds lie at 0, 60 and 120 degrees. The packing twice: the same means, errors 0. */
-static void test_lattice(void **state) {
-    (void)state;
+TEST(test_lattice) {
     sp_pack_spec spec = sp_pack_spec_default();
     sp_packing p = sp_packing_none();
     sp_contact_counts c = sp_contact_counts_none();
@@ -91,8 +89,7 @@ static void test_lattice(void **state) {
 }
 
 /* The direction of a contact depends on which grain comes first; its bin does not. */
-static void test_both_ends_are_one(void **state) {
-    (void)state;
+TEST(test_both_ends_are_one) {
     sp_packing p = reference_packing(PACKING);
     sp_contact_counts c[2] = {sp_contact_counts_none(), sp_contact_counts_none()};
     assert_ok(sp_contact_counts_add(&c[0], &p, 1e-4, 3, &err));
@@ -111,8 +108,7 @@ static void test_both_ends_are_one(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = reference_packing(PACKING), chain = chain_packing(12, 1e-4);
     sp_contact_counts c = sp_contact_counts_none();
     sp_table t = sp_table_none();
@@ -143,8 +139,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&chain);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_integrals_and_fabric), cmocka_unit_test(test_lattice),
-                                       cmocka_unit_test(test_both_ends_are_one), cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -27,8 +27,7 @@ static void oscillator(double d, double w2, double u0, double v0, double t, doub
 
 /* Two equal balls between walls that answer like balls: the sum of the two feels the walls' springs k and dashpots
  * c = 2 zeta sqrt(m k), the difference also twice those between the balls, k and c/sqrt(2). */
-static void test_two_balls(void **state) {
-    (void)state;
+TEST(test_two_balls) {
     enum { POINTS = 60 };
     sp_packing p = chain_packing(2, 1e-4);
     sp_network net = network_of(&p, false);
@@ -119,8 +118,7 @@ static void check_bound(const char *name, const sp_network *net, double zeta, do
     sp_network_free(&dashpots);
 }
 
-static void test_error_bound(void **state) {
-    (void)state;
+TEST(test_error_bound) {
     const double damping[] = {1e-6, 0.05, 0.4, 5};
     const struct {
         const char *name;
@@ -146,8 +144,7 @@ static void test_error_bound(void **state) {
 }
 
 /* Springs from 1 to 1e-8 of each other: slow and fast, weakly and strongly damped modes at once. */
-static void test_spread(void **state) {
-    (void)state;
+TEST(test_spread) {
     sp_packing p = chain_packing(6, 1e-4);
     for (int q = 0; q < 3; q++) {
         sp_network net = network_of(&p, false);
@@ -161,8 +158,7 @@ static void test_spread(void **state) {
 }
 
 /* Without dashpots the expansion is Chebyshev's; with few of them the difference is proportional to zeta. */
-static void test_weak(void **state) {
-    (void)state;
+TEST(test_weak) {
     enum { POINTS = 101 };
     sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     sp_network net = network_of(&p, false);
@@ -193,8 +189,7 @@ static void test_weak(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = chain_packing(10, 1e-4);
     sp_network net = network_of(&p, false);
     sp_signal s = sp_signal_none();
@@ -221,8 +216,7 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_memory(void **state) {
-    (void)state;
+TEST(test_memory) {
     sp_packing p = chain_packing(10, 1e-4);
     sp_network net = network_of(&p, false);
     const sp_signal_options o = options_of(SP_SOURCE_IMPULSE, 0.2, 10, 5);
@@ -231,9 +225,4 @@ static void test_memory(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_two_balls), cmocka_unit_test(test_error_bound),
-                                       cmocka_unit_test(test_spread),    cmocka_unit_test(test_weak),
-                                       cmocka_unit_test(test_refusals),  cmocka_unit_test(test_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

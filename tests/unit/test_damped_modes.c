@@ -33,8 +33,7 @@ static void expect_mode(const sp_damped_modes *m, double omega, double decay) {
 
 /* One ball: both walls' springs and dashpots; critical at zeta = 1/sqrt(2). Two balls: their sum and their difference
  * (see test_damped). */
-static void test_balls(void **state) {
-    (void)state;
+TEST(test_balls) {
     const double damping[] = {1e-6, 0.01, 0.3, M_SQRT1_2, 0.9, 5};
     for (size_t q = 0; q < sizeof damping / sizeof *damping; q++)
         for (int n = 1; n <= 2; n++) {
@@ -114,8 +113,7 @@ static void check_sum(const sp_network *net, double zeta, sp_source source, doub
     sp_damped_modes_free(&m);
 }
 
-static void test_sum(void **state) {
-    (void)state;
+TEST(test_sum) {
     for (int q = 0; q < 4; q++) {
         sp_packing p =
             q == 0 ? chain_packing(9, 1e-4) : scattered_packing(q < 3 ? 2 : 3, q < 3 ? 4 : 3, q == 1 ? 0 : 0.5, 8);
@@ -128,8 +126,7 @@ static void test_sum(void **state) {
     }
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = chain_packing(SP_DAMPED_MODES_MAX + 1, 1e-4), small = chain_packing(3, 1e-4);
     sp_network net = default_network(&p), few = default_network(&small);
     sp_damped_modes m = sp_damped_modes_none();
@@ -158,8 +155,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&small);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_balls), cmocka_unit_test(test_sum),
-                                       cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -34,8 +34,7 @@ static void assert_list(const sp_scene *s, int32_t count, const double *numbers)
     assert_memory_equal(s->pack.diameters, numbers, (size_t)count * sizeof *numbers);
 }
 
-static void numbers_are_read_from_both(void **state) {
-    (void)state;
+TEST(numbers_are_read_from_both) {
     const double numbers[] = {0.9, 1.1, 1, 0.1, 0.8, 1.2};
     char absolute[600];
     sp_scene s;
@@ -71,8 +70,7 @@ static void numbers_are_read_from_both(void **state) {
     sp_scene_free(&s);
 }
 
-static void the_numbers_decide_the_sample(void **state) {
-    (void)state;
+TEST(the_numbers_decide_the_sample) {
     const char *lists[] = {"0.9\n1.1\n1\n1\n1\n", "0.9\n1.1\n1\n1\n1.0000000000000002\n", "0.90 \n1.1\n1\n1\n1"};
     char names[3][SP_NAME_MAX];
     for (int k = 0; k < 3; k++) {
@@ -106,8 +104,7 @@ static void the_numbers_decide_the_sample(void **state) {
     assert_string_equal(names[0], names[2]);
 }
 
-static void wrong_files_are_refused(void **state) {
-    (void)state;
+TEST(wrong_files_are_refused) {
     static const struct {
         const char *text, *reason;
     } forged[] = {
@@ -151,8 +148,7 @@ static void wrong_files_are_refused(void **state) {
     assert_fails(sp_scene_read(NULL, 1, list, &s, &err), SP_EINVAL, "--set packing.diameter_file");
 }
 
-static void wrong_lists_are_refused(void **state) {
-    (void)state;
+TEST(wrong_lists_are_refused) {
     sp_scene s;
     write_file("d.txt", "1\n1\n1\n1\n1\n");
 #define REFUSED(more, reason) assert_fails(read_scene(more, NULL, &s, &err), SP_EINVAL, reason)
@@ -176,8 +172,7 @@ static void wrong_lists_are_refused(void **state) {
 }
 
 /* Every allocation fails once: a reason, no leak (the sanitizers look). */
-static void lack_of_memory(void **state) {
-    (void)state;
+TEST(lack_of_memory) {
     write_file("d.txt", "1\n1\n1\n1\n1\n");
     const char *more[] = {"diameter_file = \"d.txt\";", "diameters = [1, 1, 1, 1, 1];"};
     for (int k = 0; k < 2; k++) {
@@ -222,13 +217,4 @@ static int remove_folder(void **state) {
     return rmdir(folder);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(numbers_are_read_from_both),
-        cmocka_unit_test(the_numbers_decide_the_sample),
-        cmocka_unit_test(wrong_files_are_refused),
-        cmocka_unit_test(wrong_lists_are_refused),
-        cmocka_unit_test(lack_of_memory),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+RUN_TESTS(make_folder, remove_folder)

@@ -204,8 +204,7 @@ static void check_jacobian(int dim) {
     sp_packing_free(&p);
 }
 
-static void test_stiffness_is_jacobian(void **state) {
-    (void)state;
+TEST(test_stiffness_is_jacobian) {
     check_jacobian(2);
     check_jacobian(3);
 }
@@ -245,8 +244,7 @@ static void check_momentum(int dim) {
     sp_packing_free(&p);
 }
 
-static void test_momentum(void **state) {
-    (void)state;
+TEST(test_momentum) {
     check_momentum(2);
     check_momentum(3);
 }
@@ -322,8 +320,7 @@ static void check_lists(const sp_pack_spec *spec, double dt) {
     sp_dynamics_free(&d);
 }
 
-static void test_lists_equal_brute_force(void **state) {
-    (void)state;
+TEST(test_lists_equal_brute_force) {
     sp_pack_spec spec = small_spec(2, 11);
     check_lists(&spec, 0.1);
     spec = small_spec(3, 11);
@@ -428,8 +425,7 @@ static double gas_energy_error(int dim, double dt) {
     return worst;
 }
 
-static void test_energy(void **state) {
-    (void)state;
+TEST(test_energy) {
     for (int dim = 2; dim <= 3; dim++) {
         assert_true(energy_error(dim, 0.01) < 1e-5);
         assert_true(energy_error(dim, 0.1) < 1e-3);
@@ -498,8 +494,7 @@ static double carried_error(const double e[3], int steps, bool plain) {
     return sqrt(error) / size;
 }
 
-static void test_tangential_force_is_carried(void **state) {
-    (void)state;
+TEST(test_tangential_force_is_carried) {
     const double axes[4][3] = {{0, 0.6, 0.8}, {1, 0, 0}, {0, 0.8, -0.6}, {2.0 / 3, -1.0 / 3, 2.0 / 3}};
     for (int k = 0; k < 4; k++)
         for (int plain = 0; plain <= 1; plain++) {
@@ -510,8 +505,7 @@ static void test_tangential_force_is_carried(void **state) {
         }
 }
 
-static void test_allocation_failures(void **state) {
-    (void)state;
+TEST(test_allocation_failures) {
     for (int64_t k = 0; k < 120; k++) {
         sp_pack_spec spec = small_spec(k % 2 ? 2 : 3, 2);
         spec.max_steps = 400;
@@ -525,11 +519,4 @@ static void test_allocation_failures(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_stiffness_is_jacobian),   cmocka_unit_test(test_momentum),
-        cmocka_unit_test(test_lists_equal_brute_force), cmocka_unit_test(test_energy),
-        cmocka_unit_test(test_allocation_failures),     cmocka_unit_test(test_tangential_force_is_carried),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -78,10 +78,10 @@ static void no_memory_for_a_row(void **state) {
     sp_table_free(&t);
 }
 
-#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
 
 int main(void) {
-    const struct CMUnitTest tests[] = {TEST(shortened_while_read), TEST(grown_while_read), TEST(no_memory_to_open),
-                                       TEST(no_memory_for_a_row)};
+    const struct CMUnitTest tests[] = {BETWEEN(shortened_while_read), BETWEEN(grown_while_read),
+                                       BETWEEN(no_memory_to_open), BETWEEN(no_memory_for_a_row)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

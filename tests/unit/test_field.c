@@ -67,8 +67,7 @@ static void compare(const sp_packing *p, const sp_place *from) {
     sp_network_free(&net);
 }
 
-static void test_modes_agree(void **state) {
-    (void)state;
+TEST(test_modes_agree) {
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     compare(&p, NULL);
     const sp_place part = {.kind = SP_PLACE_PART, .shear = true, .from = 2, .to = 12};
@@ -83,8 +82,7 @@ static void test_modes_agree(void **state) {
 }
 
 /* The detector's row times u(t) is the signal. */
-static void test_detector_sees_the_signal(void **state) {
-    (void)state;
+TEST(test_detector_sees_the_signal) {
     enum { POINTS = 5 };
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     sp_network net = network_of(&p, false);
@@ -116,8 +114,7 @@ static void test_detector_sees_the_signal(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = chain_packing(10, 1e-4);
     sp_network net = network_of(&p, false);
     double u[10];
@@ -148,9 +145,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_modes_agree),
-                                       cmocka_unit_test(test_detector_sees_the_signal),
-                                       cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

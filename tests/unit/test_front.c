@@ -69,8 +69,7 @@ static sp_front exact(void) {
     return e;
 }
 
-static void marks_converge_with_the_sampling(void **state) {
-    (void)state;
+TEST(marks_converge_with_the_sampling) {
     sp_front e = exact();
     enum { STEPS = 5, SHIFTS = 16 };
     double step[STEPS], off[4][STEPS];
@@ -105,8 +104,7 @@ static void marks_converge_with_the_sampling(void **state) {
     }
 }
 
-static void noise_moves_the_marks_little(void **state) {
-    (void)state;
+TEST(noise_moves_the_marks_little) {
     sp_front e = exact();
     for (uint64_t seed = 1; seed <= 200; seed++) {
         sp_random r = sp_random_make(seed, 99);
@@ -129,8 +127,7 @@ static void noise_moves_the_marks_little(void **state) {
     }
 }
 
-static void precursors_do_not_count(void **state) {
-    (void)state;
+TEST(precursors_do_not_count) {
     trace *w = sampled(0, 100, 0.1);
     sp_front clean = find(w, 0);
     for (int64_t k = 0; k < w->n; k++) /* rounding before the front, maxima at 1e-17 and a crossing each time */
@@ -146,8 +143,7 @@ static void precursors_do_not_count(void **state) {
     free(w);
 }
 
-static void crossings_before_the_peak_are_counted(void **state) {
-    (void)state;
+TEST(crossings_before_the_peak_are_counted) {
     trace *w = sampled(0, 100, 0.1);
     sp_front clean = find(w, 0);
     assert_int_equal(clean.crossings, 1);
@@ -165,8 +161,7 @@ static void crossings_before_the_peak_are_counted(void **state) {
     free(w);
 }
 
-static void an_offset_is_told(void **state) {
-    (void)state;
+TEST(an_offset_is_told) {
     trace *w = sampled(0, 100, 0.1);
     for (int64_t k = 0; k < w->n; k++)
         w->f[k] += 0.5;
@@ -174,8 +169,7 @@ static void an_offset_is_told(void **state) {
     free(w);
 }
 
-static void a_second_higher_peak_does_not_count(void **state) {
-    (void)state;
+TEST(a_second_higher_peak_does_not_count) {
     trace *w = sampled(0, 300, 0.1);
     sp_front clean = find(w, 0);
     for (int64_t k = 0; k < w->n; k++)
@@ -191,8 +185,7 @@ static void a_second_higher_peak_does_not_count(void **state) {
     free(w);
 }
 
-static void noise_within_a_maximum_and_real_dips(void **state) {
-    (void)state;
+TEST(noise_within_a_maximum_and_real_dips) {
     /* 0.9, a dip by `dip`, 1.0: one maximum if the dip is below 0.01 of the largest value, two if above */
     for (int deep = 0; deep < 2; deep++) {
         double dip = deep ? 0.012 : 0.008;
@@ -204,8 +197,7 @@ static void noise_within_a_maximum_and_real_dips(void **state) {
     }
 }
 
-static void plateaus(void **state) {
-    (void)state;
+TEST(plateaus) {
     sp_front_options o = sp_front_options_default();
     sp_front front = {0};
     const double t[] = {0, 1, 2, 3, 4, 5, 6};
@@ -230,8 +222,7 @@ static void plateaus(void **state) {
     assert_true(isnan(front.t_zero) && isnan(front.width));
 }
 
-static void uneven_times(void **state) {
-    (void)state;
+TEST(uneven_times) {
     /* points of 1 - (t - 3)^2 / 4: the parabola is exact for any times */
     const double t[] = {0.9, 1.0, 2.7, 4.1, 5.0, 5.5};
     double f[6];
@@ -244,8 +235,7 @@ static void uneven_times(void **state) {
     assert_close(front.amplitude, 1, 1e-14);
 }
 
-static void negative_first_swing(void **state) {
-    (void)state;
+TEST(negative_first_swing) {
     trace *w = sampled(0, 100, 0.1);
     sp_front clean = find(w, 0);
     for (int64_t k = 0; k < w->n; k++)
@@ -257,8 +247,7 @@ static void negative_first_swing(void **state) {
     free(w);
 }
 
-static void traces_without_a_front(void **state) {
-    (void)state;
+TEST(traces_without_a_front) {
     trace *w = sampled(0, 100, 0.1);
     trace *v = calloc(1, sizeof *v);
     assert_non_null(v);
@@ -292,8 +281,7 @@ static void traces_without_a_front(void **state) {
     free(w);
 }
 
-static void peaks_that_the_points_do_not_resolve(void **state) {
-    (void)state;
+TEST(peaks_that_the_points_do_not_resolve) {
     /* the parabola follows the fall after the highest point: its vertex is 1e18 times as high */
     const double t[] = {0, 7.25, 21.76, 22}, f[] = {0, 4, -6e19, -6e19}, steep[] = {0, 1, -6, -6};
     sp_front_options o = sp_front_options_default();
@@ -306,8 +294,7 @@ static void peaks_that_the_points_do_not_resolve(void **state) {
     assert_fails(sp_front_find(4, even, steep, &o, &front, &err), SP_EREFUSED, "1.5625 0.625");
 }
 
-static void wrong_input(void **state) {
-    (void)state;
+TEST(wrong_input) {
     trace *w = sampled(0, 100, 0.1);
     w->f[77] = NAN;
     assert_no_front(w, SP_EINVAL, "77");
@@ -337,8 +324,7 @@ static void wrong_input(void **state) {
 }
 
 /* A signal times any factor has the same times, as long as its numbers are numbers. */
-static void any_unit_of_force(void **state) {
-    (void)state;
+TEST(any_unit_of_force) {
     trace *w = sampled(0, 100, 0.1);
     sp_front one = find(w, 0);
     const double factor[] = {1e-300, 1e-30, 1e30, 1e307};
@@ -363,20 +349,4 @@ static void any_unit_of_force(void **state) {
     free(w);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(marks_converge_with_the_sampling),
-                                       cmocka_unit_test(noise_moves_the_marks_little),
-                                       cmocka_unit_test(precursors_do_not_count),
-                                       cmocka_unit_test(crossings_before_the_peak_are_counted),
-                                       cmocka_unit_test(an_offset_is_told),
-                                       cmocka_unit_test(a_second_higher_peak_does_not_count),
-                                       cmocka_unit_test(noise_within_a_maximum_and_real_dips),
-                                       cmocka_unit_test(plateaus),
-                                       cmocka_unit_test(uneven_times),
-                                       cmocka_unit_test(negative_first_swing),
-                                       cmocka_unit_test(traces_without_a_front),
-                                       cmocka_unit_test(peaks_that_the_points_do_not_resolve),
-                                       cmocka_unit_test(wrong_input),
-                                       cmocka_unit_test(any_unit_of_force)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -14,8 +14,7 @@ static double complex number(double re, double im) { return re + im * _Complex_I
 
 /* Two balls between walls: the sum of their displacements feels one spring and one dashpot, the difference three, since
  * gamma is the same at walls and between the balls. lambda^2 + (s gamma/m) lambda + s k/m = 0, s = 1 and 3. */
-static void test_two_balls(void **state) {
-    (void)state;
+TEST(test_two_balls) {
     const double factors[] = {1e-3, 0.1, 0.9};
     for (size_t q = 0; q < 3; q++) {
         sp_packing p = chain_packing(2, 1e-4);
@@ -43,8 +42,7 @@ static void test_two_balls(void **state) {
 
 /* Waves in a chain: 2 (K + i omega gamma)(1 - cos q) = m omega^2 for gamma, and for mass with gamma = rate m/2. Long
  * waves: 1/Q = omega gamma/K, so that alpha rises with omega^2. */
-static void test_chain(void **state) {
-    (void)state;
+TEST(test_chain) {
     enum { GRAINS = 60, FREQUENCIES = 6 };
     sp_packing p = chain_packing(GRAINS, 1e-4);
     sp_network net = default_network(&p);
@@ -83,8 +81,7 @@ static double pseudo(int64_t k) { return sin(1.3 * (double)k * (double)k + 0.7);
 
 /* Without friction the matrix is that of GranE, gamma times the Laplacian of the contacts in each direction: a grain
  * feels gamma times its velocity against that of each neighbour. Walls count as neighbours at rest. */
-static void test_laplacian(void **state) {
-    (void)state;
+TEST(test_laplacian) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_packing p = scattered_packing(dim, 4, 0, 3);
         sp_network net = default_network(&p), dashpots = sp_network_none();
@@ -115,8 +112,7 @@ static void test_laplacian(void **state) {
 }
 
 /* The motion of the packing itself approaches the linear signal in proportion to the amplitude, for every kind. */
-static void test_motion(void **state) {
-    (void)state;
+TEST(test_motion) {
     enum { POINTS = 21 };
     const double amplitudes[] = {1e-2, 1e-3, 1e-4};
     for (int q = 0; q < 6; q++) {
@@ -151,8 +147,7 @@ static void test_motion(void **state) {
     }
 }
 
-static void test_words(void **state) {
-    (void)state;
+TEST(test_words) {
     sp_damping d;
     const char *const bad[] = {"",         "gamma",    "gamma:",     "gamma:-1", "gamma:1:",    "gamma:1:2:3",
                                "gamma:1x", "zeta:1:2", "mass:nan",   "drag:1",   "gamma:1e400", "gamma:0:1",
@@ -168,8 +163,7 @@ static void test_words(void **state) {
             fail_msg("\"%s\" was read", bad[k]);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = chain_packing(3, 1e-4);
     sp_network net = default_network(&p), out = sp_network_none();
     const sp_damping bad[] = {{SP_DAMPING_GAMMA, 0, 1},    {SP_DAMPING_GAMMA, -1, 1},  {SP_DAMPING_MASS, NAN, 1},
@@ -183,9 +177,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_two_balls), cmocka_unit_test(test_chain),
-                                       cmocka_unit_test(test_laplacian), cmocka_unit_test(test_motion),
-                                       cmocka_unit_test(test_words),     cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

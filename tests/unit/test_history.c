@@ -58,8 +58,7 @@ static double mean_x(const sp_packing *p, int axis) {
 }
 
 /* Ten times less pressure, and back: less height than at first, as sliding is not undone. */
-static void a_cycle_of_pressure(void **state) {
-    (void)state;
+TEST(a_cycle_of_pressure) {
     for (int dim = 2; dim <= 3; dim++) {
         const sp_pack_spec s = dim == 2 ? small(2, 80, 8, 1e-4) : small(3, 90, 5, 1e-4);
         sp_packing first = make_packing(&s), low = make_from(&first, 1e-5, 1e-11), again = make_from(&low, 1e-4, 1e-10);
@@ -77,8 +76,7 @@ static void a_cycle_of_pressure(void **state) {
     }
 }
 
-static void the_same_pressure_again(void **state) {
-    (void)state;
+TEST(the_same_pressure_again) {
     for (int dim = 2; dim <= 3; dim++) {
         const sp_pack_spec s = dim == 2 ? small(2, 80, 8, 1e-4) : small(3, 90, 5, 1e-4);
         sp_packing first = make_packing(&s), again = make_from(&first, 1e-4, 1e-10);
@@ -123,8 +121,7 @@ static sp_status refuse_stage(const sp_packing *p, int32_t index, void *user, sp
     return sp_fail(err, SP_EIO, "stage %d has no place", index);
 }
 
-static void a_history_in_one_making(void **state) {
-    (void)state;
+TEST(a_history_in_one_making) {
     static const double history[] = {1e-4, 2e-5, 5e-4};
     sp_pack_spec s = small(2, 80, 8, 1e-4);
     s.history = history;
@@ -146,8 +143,7 @@ static void a_history_in_one_making(void **state) {
     sp_packing_free(&p);
 }
 
-static void sides_that_yield(void **state) {
-    (void)state;
+TEST(sides_that_yield) {
     const double pressures[] = {1e-3, 1e-5, 1e-8};
     for (int dim = 2; dim <= 3; dim++)
         for (int k = 0; k < 3; k++) {
@@ -183,15 +179,13 @@ static double closed_part(double alpha, double reduced) {
     return part;
 }
 
-static void a_lattice_of_unequal_grains(void **state) {
-    (void)state;
+TEST(a_lattice_of_unequal_grains) {
     assert_true(closed_part(1e-3, 30) > 0.99);
     assert_true(closed_part(0.02, 0.01) < 0.8);
     assert_true(closed_part(1e-3, 0.01) < 0.8);
 }
 
-static void what_is_refused(void **state) {
-    (void)state;
+TEST(what_is_refused) {
     sp_pack_spec s = sp_pack_spec_default(), c = sp_pack_spec_default();
     sp_packing p = sp_packing_none(), chain, lattice;
     sp_pack_hooks hooks = {0};
@@ -234,8 +228,7 @@ static void what_is_refused(void **state) {
     sp_packing_free(&chain);
 }
 
-static void what_a_scene_says_of_it(void **state) {
-    (void)state;
+TEST(what_a_scene_says_of_it) {
     static const char text[] = "packing = { kind = \"file\"; file = \"a \\\"b\\\\.h5\"; content = 7; pressure = 1e-5;\n"
                                "history = [1e-3, 1e-6]; compression = \"isotropic\"; };\n";
     sp_scene s = sp_scene_default(), back = sp_scene_default();
@@ -263,12 +256,4 @@ static void what_a_scene_says_of_it(void **state) {
                  "s.cfg:1 packing.history 0.0001");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_cycle_of_pressure),         cmocka_unit_test(the_same_pressure_again),
-        cmocka_unit_test(a_history_in_one_making),     cmocka_unit_test(sides_that_yield),
-        cmocka_unit_test(a_lattice_of_unequal_grains), cmocka_unit_test(what_is_refused),
-        cmocka_unit_test(what_a_scene_says_of_it),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

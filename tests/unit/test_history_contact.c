@@ -31,8 +31,7 @@ static void slip_to(contact *c, double s, int steps) {
 }
 
 /* Around a loop between +-top: every point lies on the closed curves, whatever the length of the steps. */
-static void test_loop(void **state) {
-    (void)state;
+TEST(test_loop) {
     const double tops[] = {0.05, 0.3, 0.6, 0.699};
     for (int q = 0; q < 4; q++)
         for (int steps = 1; steps <= 40; steps *= 6) {
@@ -59,8 +58,7 @@ static void test_loop(void **state) {
 }
 
 /* Energy lost in a loop: (36/5) (mu F)^2/k (1 - (1 - x)^(5/3) - 5/6 x (1 + (1 - x)^(2/3))), x = top/(mu F). */
-static void test_energy(void **state) {
-    (void)state;
+TEST(test_energy) {
     enum { STEPS = 20000 };
     const double top = 0.5, far = virgin(top), x = top / MU_F;
     const double exact = 7.2 * MU_F * MU_F / K * (1 - pow(1 - x, 5.0 / 3) - 5.0 / 6 * x * (1 + pow(1 - x, 2.0 / 3)));
@@ -77,8 +75,7 @@ static void test_energy(void **state) {
 }
 
 /* A small loop within a large one is closed and forgotten; a reversal has the stiffness of full stick. */
-static void test_memory(void **state) {
-    (void)state;
+TEST(test_memory) {
     const double top = 0.6, far = virgin(top);
     contact c = {{0}, 0, 0}, small;
     slip_to(&c, far, 3);
@@ -97,8 +94,7 @@ static void test_memory(void **state) {
 }
 
 /* Coulomb's limit is reached, and never passed. */
-static void test_limit(void **state) {
-    (void)state;
+TEST(test_limit) {
     contact c = {{0}, 0, 0};
     slip_to(&c, virgin(MU_F), 7);
     assert_close(c.force, MU_F, 1e-13);
@@ -113,8 +109,7 @@ static void test_limit(void **state) {
 }
 
 /* Any sequence of slips and normal forces keeps the force within the limit, and its slope between 0 and k. */
-static void test_random(void **state) {
-    (void)state;
+TEST(test_random) {
     unsigned seed = 3;
     double past[3 * MINDLIN_NUMBERS] = {0}, force = 0;
     for (int k = 0; k < 200000; k++) {
@@ -140,8 +135,7 @@ static sp_pack_spec history_spec(bool reference) {
 }
 
 /* Packings come to rest with it, by both paths, and hold Coulomb's condition; they are not those without. */
-static void test_packings(void **state) {
-    (void)state;
+TEST(test_packings) {
     sp_packing p[3];
     for (int k = 0; k < 3; k++) {
         sp_pack_spec s = history_spec(k == 1);
@@ -177,8 +171,7 @@ static sp_status keep(const void *state, size_t size, void *user, sp_error *err)
 }
 
 /* A run that is resumed from a saved state ends with the same bits: the state has the memory of the contacts. */
-static void test_state(void **state) {
-    (void)state;
+TEST(test_state) {
     const sp_pack_spec s = history_spec(false);
     kept k = {.wanted = 2};
     sp_packing whole = sp_packing_none(), resumed = sp_packing_none();
@@ -197,8 +190,7 @@ static void test_state(void **state) {
 }
 
 /* The springs of the three kinds of networks, and that they bound each other. */
-static void test_networks(void **state) {
-    (void)state;
+TEST(test_networks) {
     sp_pack_spec s = history_spec(false);
     sp_packing p = sp_packing_none();
     sp_network net[3];
@@ -220,8 +212,7 @@ static void test_networks(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_pack_spec s = history_spec(false);
     sp_error why = {0};
     s.dim = 3;
@@ -234,10 +225,4 @@ static void test_refusals(void **state) {
     assert_string_equal(why.key, "packing.tangential");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_loop),  cmocka_unit_test(test_energy),   cmocka_unit_test(test_memory),
-        cmocka_unit_test(test_limit), cmocka_unit_test(test_random),   cmocka_unit_test(test_packings),
-        cmocka_unit_test(test_state), cmocka_unit_test(test_networks), cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

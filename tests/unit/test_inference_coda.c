@@ -17,8 +17,7 @@ static sp_coda_options options_of(const double *t) { return (sp_coda_options){.t
 
 /* The kernel of a grain is the derivative of the signal by the logarithm of its stiffness: the error of a central
  * difference falls with the square of the step. */
-static void test_kernels(void **state) {
-    (void)state;
+TEST(test_kernels) {
     sp_packing p = reference_packing(SMALL);
     sp_network net = network_of(&p, false);
     double t[TIMES], more[TIMES], less[TIMES];
@@ -47,8 +46,7 @@ static void test_kernels(void **state) {
 }
 
 /* The signal at any times is that on equal spacings. */
-static void test_signal(void **state) {
-    (void)state;
+TEST(test_signal) {
     sp_packing p = reference_packing(SMALL);
     sp_network net = network_of(&p, false);
     sp_signal s = sp_signal_none();
@@ -67,8 +65,7 @@ static void test_signal(void **state) {
 }
 
 /* A small change without noise is found in every grain: place, size, and nothing left. */
-static void test_locate(void **state) {
-    (void)state;
+TEST(test_locate) {
     sp_packing p = reference_packing(SMALL);
     sp_network net = network_of(&p, false);
     double t[TIMES], before[TIMES], change[TIMES];
@@ -103,8 +100,7 @@ static void test_locate(void **state) {
 
 /* With noise the probabilities mean what they say: the true grain is within the most probable ones that together have
  * 90% in about 90% of the trials. */
-static void test_probabilities(void **state) {
-    (void)state;
+TEST(test_probabilities) {
     sp_packing p = reference_packing(SMALL);
     sp_network net = network_of(&p, false);
     double t[TIMES], before[TIMES], after[TIMES], change[TIMES];
@@ -143,8 +139,7 @@ static void test_probabilities(void **state) {
 }
 
 /* Several sources and detectors know more: the error of the change falls. */
-static void test_pairs(void **state) {
-    (void)state;
+TEST(test_pairs) {
     sp_packing p = reference_packing(SMALL);
     sp_network net = network_of(&p, false);
     double t[TIMES];
@@ -176,8 +171,7 @@ static void test_pairs(void **state) {
 }
 
 /* All stiffnesses by a factor 1 + 2 e: speeds by 1 + e, and the signal by the same scale of time. */
-static void test_stretch(void **state) {
-    (void)state;
+TEST(test_stretch) {
     enum { FINE = 3000 };
     sp_packing p = reference_packing(SMALL);
     sp_network net = network_of(&p, false);
@@ -201,8 +195,7 @@ static void test_stretch(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refuses(void **state) {
-    (void)state;
+TEST(test_refuses) {
     sp_packing p = chain_packing(5, 1e-4);
     sp_network net = network_of(&p, false);
     double t[TIMES], change[TIMES] = {0};
@@ -226,8 +219,7 @@ static void test_refuses(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_memory(void **state) {
-    (void)state;
+TEST(test_memory) {
     sp_packing p = chain_packing(3, 1e-4);
     sp_network net = network_of(&p, false);
     double t[TIMES];
@@ -247,10 +239,4 @@ static void test_memory(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_kernels), cmocka_unit_test(test_signal),
-                                       cmocka_unit_test(test_locate),  cmocka_unit_test(test_probabilities),
-                                       cmocka_unit_test(test_pairs),   cmocka_unit_test(test_stretch),
-                                       cmocka_unit_test(test_refuses), cmocka_unit_test(test_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -16,8 +16,7 @@ static sp_design_problem problem_of(const sp_packing *p, const sp_design_options
 }
 
 /* The nearest allowed point: no exchange between two grains brings it nearer, and the total is kept. */
-static void test_project(void **state) {
-    (void)state;
+TEST(test_project) {
     enum { N = 40 };
     sp_packing p = {.n = N};
     sp_design_options o = sp_design_options_default();
@@ -52,8 +51,7 @@ static void test_project(void **state) {
 
 /* The best corner of a linear programme: no grain below the upper limit gains more a weight than one above the lower.
  */
-static void test_extreme(void **state) {
-    (void)state;
+TEST(test_extreme) {
     enum { N = 30 };
     sp_packing p = {.n = N};
     sp_design_options o = sp_design_options_default();
@@ -86,8 +84,7 @@ static void test_extreme(void **state) {
 
 /* The energy in a band against the integral of |F(omega)|^2, and its weights against differences. All frequencies have
  * the integral of F^2. */
-static void test_band(void **state) {
-    (void)state;
+TEST(test_band) {
     enum { N = 90, STEPS = 4000 };
     const double spacing = 0.3, low = 0.4, high = 1.1;
     double f[N], weight[N], scratch[N], direct = 0, all = 0;
@@ -154,8 +151,7 @@ static void check_gradient(const sp_packing *p, sp_design_goal goal, sp_design_v
     free(weight);
 }
 
-static void test_gradients(void **state) {
-    (void)state;
+TEST(test_gradients) {
     sp_packing p = reference_packing(SMALL);
     for (int goal = 0; goal < 3; goal++)
         for (int vary = SP_DESIGN_MASS; vary <= SP_DESIGN_MODULUS; vary++)
@@ -165,8 +161,7 @@ static void test_gradients(void **state) {
 
 /* Radii: the packing is really compressed again. The response is that of the springs without their prestress, which is
  * some percent of it. */
-static void test_radius_gradient(void **state) {
-    (void)state;
+TEST(test_radius_gradient) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 60;
     spec.width = 8;
@@ -179,8 +174,7 @@ static void test_radius_gradient(void **state) {
 
 /* Rows of a triangular lattice move as a chain. Its optical and acoustic branches are apart where light and heavy rows
  * alternate, and that is what the design finds, away from the walls. */
-static void test_diatomic(void **state) {
-    (void)state;
+TEST(test_diatomic) {
     sp_pack_spec spec = sp_pack_spec_default();
     sp_design_options o = sp_design_options_default();
     sp_design d = sp_design_none();
@@ -212,8 +206,7 @@ static void test_diatomic(void **state) {
 }
 
 /* The front of the packing that comes out is that which the last step tells; every step gains. */
-static void test_front(void **state) {
-    (void)state;
+TEST(test_front) {
     sp_packing p = reference_packing(SMALL);
     for (int goal = SP_DESIGN_DELAY; goal <= SP_DESIGN_ADVANCE; goal++) {
         sp_design_options o = sp_design_options_default();
@@ -245,8 +238,7 @@ static void test_front(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refuses(void **state) {
-    (void)state;
+TEST(test_refuses) {
     sp_packing p = reference_packing(SMALL);
     sp_design d;
     sp_design_options o = sp_design_options_default();
@@ -267,8 +259,7 @@ static void test_refuses(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_memory(void **state) {
-    (void)state;
+TEST(test_memory) {
     sp_packing p = chain_packing(4, 1e-4);
     sp_design_options o = sp_design_options_default();
     o.iterations = 2;
@@ -285,10 +276,4 @@ static void test_memory(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_project),   cmocka_unit_test(test_extreme),         cmocka_unit_test(test_band),
-        cmocka_unit_test(test_gradients), cmocka_unit_test(test_radius_gradient), cmocka_unit_test(test_diatomic),
-        cmocka_unit_test(test_front),     cmocka_unit_test(test_refuses),         cmocka_unit_test(test_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

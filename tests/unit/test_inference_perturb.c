@@ -14,8 +14,7 @@ static sp_packing drawn(const sp_packing *p, const sp_errors *e, int64_t sample)
 }
 
 /* Without errors both kinds of measurements give the packing back, by the digits of its file. */
-static void test_exact(void **state) {
-    (void)state;
+TEST(test_exact) {
     sp_packing p = reference_packing(SMALL);
     for (int kind = 0; kind < 2; kind++) {
         sp_errors e = sp_errors_default();
@@ -40,8 +39,7 @@ static void test_exact(void **state) {
 }
 
 /* What each error does, in its distribution: 200 grains and 40 draws give 16000 coordinates. */
-static void test_distributions(void **state) {
-    (void)state;
+TEST(test_distributions) {
     sp_packing p = reference_packing(SMALL);
     sp_errors e = sp_errors_default();
     double moved = 0, grown = 0, force = 0, force_square = 0;
@@ -81,8 +79,7 @@ static void test_distributions(void **state) {
 }
 
 /* The same sample of half the error is half as far away. */
-static void test_nested(void **state) {
-    (void)state;
+TEST(test_nested) {
     sp_packing p = reference_packing(SMALL);
     sp_errors e = sp_errors_default();
     e.position = 1e-3;
@@ -104,8 +101,7 @@ static void test_nested(void **state) {
 }
 
 /* Missing contacts join pairs that are not listed, within the gap, with weak forces. */
-static void test_missing(void **state) {
-    (void)state;
+TEST(test_missing) {
     sp_packing p = reference_packing(SMALL);
     sp_errors e = sp_errors_default();
     int added = 0;
@@ -134,8 +130,7 @@ static void test_missing(void **state) {
 }
 
 /* From positions alone: an error far below the overlaps keeps nearly all contacts, one far above them loses many. */
-static void test_overlaps(void **state) {
-    (void)state;
+TEST(test_overlaps) {
     sp_packing p = reference_packing(SMALL);
     sp_errors e = sp_errors_default();
     e.measured = SP_MEASURED_OVERLAPS;
@@ -152,8 +147,7 @@ static void test_overlaps(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refuses(void **state) {
-    (void)state;
+TEST(test_refuses) {
     sp_packing p = reference_packing(SMALL), q;
     sp_errors e = sp_errors_default();
     e.position = -1;
@@ -173,9 +167,4 @@ static void test_refuses(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact),    cmocka_unit_test(test_distributions),
-                                       cmocka_unit_test(test_nested),   cmocka_unit_test(test_missing),
-                                       cmocka_unit_test(test_overlaps), cmocka_unit_test(test_refuses)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -21,8 +21,7 @@ static sp_uncertainty made(const sp_packing *p, const sp_uncertainty_options *o)
 }
 
 /* All stiffnesses times s, lognormal: times go as s^(-1/2), moduli as s. The moments of such numbers are known. */
-static void test_calibration(void **state) {
-    (void)state;
+TEST(test_calibration) {
     sp_packing p = reference_packing(SMALL);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     const struct {
@@ -54,8 +53,7 @@ static void test_calibration(void **state) {
 
 /* A chain of equal springs with independent errors: C22 = 1/sum(1/k), so that sd(C)/C = s/sqrt(N + 1), and
  * d ln(omega_1^2)/d ln k_c = 2/(N + 1) cos^2(pi (c + 1/2)/(N + 1)) with wall springs as the others. */
-static void test_chain(void **state) {
-    (void)state;
+TEST(test_chain) {
     enum { N = 9 };
     sp_packing p = chain_packing(N, 1e-4);
     sp_uncertainty_options o = sp_uncertainty_options_default();
@@ -80,8 +78,7 @@ static void test_chain(void **state) {
 }
 
 /* A chain without one of its contacts carries no sound: such samples are counted. */
-static void test_loose(void **state) {
-    (void)state;
+TEST(test_loose) {
     sp_packing p = chain_packing(9, 1e-4);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     o.errors.false_part = 0.05;
@@ -125,8 +122,7 @@ static void check_agreement(const sp_packing *p, const sp_errors *errors) {
     sp_uncertainty_free(&u);
 }
 
-static void test_agreement(void **state) {
-    (void)state;
+TEST(test_agreement) {
     const sp_errors each[] = {{.position = 1e-3},
                               {.radius = 1e-3},
                               {.force = 0.02},
@@ -140,8 +136,7 @@ static void test_agreement(void **state) {
 }
 
 /* Seeds decide, threads do not. */
-static void test_reproducible(void **state) {
-    (void)state;
+TEST(test_reproducible) {
     sp_packing p = reference_packing(SMALL);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     o.errors.force = 0.1;
@@ -165,8 +160,7 @@ static void test_reproducible(void **state) {
 }
 
 /* Errors of positions as large as overlaps are beyond first order, and it is told. */
-static void test_departs(void **state) {
-    (void)state;
+TEST(test_departs) {
     sp_packing p = reference_packing(SMALL);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     o.errors.measured = SP_MEASURED_OVERLAPS;
@@ -181,8 +175,7 @@ static void test_departs(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refuses(void **state) {
-    (void)state;
+TEST(test_refuses) {
     sp_packing p = reference_packing(SMALL);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     sp_uncertainty u;
@@ -201,8 +194,7 @@ static void test_refuses(void **state) {
 }
 
 /* Every allocation fails once. */
-static void test_memory(void **state) {
-    (void)state;
+TEST(test_memory) {
     sp_packing p = chain_packing(3, 1e-4);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     o.samples = 10;
@@ -222,10 +214,4 @@ static void test_memory(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_calibration),  cmocka_unit_test(test_chain),
-                                       cmocka_unit_test(test_loose),        cmocka_unit_test(test_agreement),
-                                       cmocka_unit_test(test_reproducible), cmocka_unit_test(test_departs),
-                                       cmocka_unit_test(test_refuses),      cmocka_unit_test(test_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -14,8 +14,7 @@ static double gauss(sp_random *r) {
 
 static double exponential(sp_random *r) { return -log1p(-sp_random_uniform(r)); }
 
-static void quantiles_by_hand(void **state) {
-    (void)state;
+TEST(quantiles_by_hand) {
     const double x[] = {1, 2, 4, 8};
     assert_close(sp_quantile(4, x, 0.2), 1, 1e-15);
     assert_close(sp_quantile(4, x, 0.5), 3, 1e-15);
@@ -24,8 +23,7 @@ static void quantiles_by_hand(void **state) {
     assert_true(sp_quantile(1, x, 0.3) == 1 && sp_quantile(4, x, 1) == 8);
 }
 
-static void student_quantiles(void **state) {
-    (void)state;
+TEST(student_quantiles) {
     static const struct {
         double p;
         int64_t freedom;
@@ -75,8 +73,7 @@ static double coverage(int64_t n, bool skew, double level, int trials, double *w
 
 /* The numbers that the header states, to four standard deviations of so many trials, and 0.5 for resamples that the
  * trials share. */
-static void coverage_of_the_mean(void **state) {
-    (void)state;
+TEST(coverage_of_the_mean) {
     static const struct {
         int64_t n;
         double level;
@@ -97,8 +94,7 @@ static void coverage_of_the_mean(void **state) {
 }
 
 /* Bit for bit, whatever other quantities there are; others with another seed. */
-static void the_same_again(void **state) {
-    (void)state;
+TEST(the_same_again) {
     double x[2][30];
     const double *of[2] = {x[0], x[1]};
     sp_random r = sp_random_make(3, 99);
@@ -127,8 +123,7 @@ static void the_same_again(void **state) {
     assert_int_equal(sp_interval_resamples(0.999), 10000);
 }
 
-static void where_there_is_none(void **state) {
-    (void)state;
+TEST(where_there_is_none) {
     const double x[] = {1, 2, 5}, same[] = {0.1, 0.1, 0.1}, bad[] = {1, NAN, 2}, far[] = {1, INFINITY, 2};
     const double *const of[] = {x, same, bad, far};
     sp_interval i[4];
@@ -165,8 +160,7 @@ static void where_there_is_none(void **state) {
 }
 
 /* 1000 samples of 11 quantities: a row of a table. */
-static void fast_enough(void **state) {
-    (void)state;
+TEST(fast_enough) {
     enum { N = 1000, M = 11 };
     static double x[M][N];
     const double *of[M];
@@ -190,8 +184,7 @@ static void fast_enough(void **state) {
 
 /* Mean and variance 1, and no correlation of neighbours: to four standard deviations. The law's fourth central moment
  * is 4, so that the variance of 1e6 weights has the deviation sqrt(3e-6). */
-static void weights_of_poisson(void **state) {
-    (void)state;
+TEST(weights_of_poisson) {
     enum { SAMPLES = 1000, RESAMPLES = 1000 };
     double sum = 0, squares = 0, along = 0, across = 0, none = 0;
     for (uint64_t s = 0; s < SAMPLES; s++)
@@ -232,8 +225,7 @@ static void resample(double x[SAMPLES][NUMBERS], int n, double level, sp_interva
 /* Against the bootstrap that keeps the samples. An end is a quantile of 1000 resamples, known to
  * sqrt(q (1 - q) / 1000) / density(z) = 0.085 errors; of a difference of two ends, and 300 numbers, less on average.
  * The numbers are independent but share the weights: their average offset has the deviation of one. */
-static void like_the_bootstrap(void **state) {
-    (void)state;
+TEST(like_the_bootstrap) {
     static double x[SAMPLES][NUMBERS], column[NUMBERS][SAMPLES];
     const double *of[NUMBERS];
     static sp_interval one[NUMBERS], kept[NUMBERS];
@@ -260,8 +252,7 @@ static void like_the_bootstrap(void **state) {
     assert_close(high, 0, 0.1);
 }
 
-static void one_at_a_time_again(void **state) {
-    (void)state;
+TEST(one_at_a_time_again) {
     static double x[SAMPLES][NUMBERS];
     static sp_interval a[NUMBERS], b[NUMBERS];
     fill(x, 0);
@@ -289,8 +280,7 @@ static void one_at_a_time_again(void **state) {
         assert_close(b[k].low - 1e6, a[k].low, 1e-8);
 }
 
-static void few_at_a_time(void **state) {
-    (void)state;
+TEST(few_at_a_time) {
     static double x[SAMPLES][NUMBERS];
     static sp_interval a[NUMBERS];
     fill(x, 0);
@@ -321,8 +311,7 @@ static void few_at_a_time(void **state) {
 
 /* Signals of a few frequencies, at times much closer than their periods: the width of the interval over the error
  * changes little from one to the next, for any number of samples. Of few samples it is Student's. */
-static void smooth_in_time(void **state) {
-    (void)state;
+TEST(smooth_in_time) {
     enum { TIMES = 800, WAVES = 6, MOST = 20 };
     static double x[MOST][TIMES];
     static sp_interval i[TIMES];
@@ -361,8 +350,7 @@ static void smooth_in_time(void **state) {
 
 /* The numbers that the header states of intervals from one sample at a time, to four standard deviations of so many
  * trials, and 1 for weights that the trials of one seed share. */
-static void coverage_one_at_a_time(void **state) {
-    (void)state;
+TEST(coverage_one_at_a_time) {
     enum { TRIALS = 1000, TOGETHER = 200, MOST = 10 };
     static const int numbers[] = {3, 5, 8, 10};
     static const double stated[][2] = {{94.8, 89.0}, {94.9, 88.3}, {96.0, 94.9}, {95.6, 94.6}};
@@ -392,14 +380,4 @@ static void coverage_one_at_a_time(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(quantiles_by_hand),    cmocka_unit_test(student_quantiles),
-        cmocka_unit_test(coverage_of_the_mean), cmocka_unit_test(the_same_again),
-        cmocka_unit_test(where_there_is_none),  cmocka_unit_test(fast_enough),
-        cmocka_unit_test(weights_of_poisson),   cmocka_unit_test(like_the_bootstrap),
-        cmocka_unit_test(one_at_a_time_again),  cmocka_unit_test(few_at_a_time),
-        cmocka_unit_test(smooth_in_time),       cmocka_unit_test(coverage_one_at_a_time),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -195,8 +195,7 @@ static void assert_same_motion(dynamics *fast, dynamics *plain, double dt) {
     assert_relative(fast->v_max, plain->v_max, 1e-13);
 }
 
-static void test_kernel_equals_plain(void **state) {
-    (void)state;
+TEST(test_kernel_equals_plain) {
     const double friction[] = {0, 0.5, 1e6}, limit[] = {1, 1e6}, dt[] = {0, 0.01, 0.3, 1};
     for (int k = 0; k < 4 * 3 * 2 * 4; k++) {
         const conditions c = {friction[k / 8 % 3], limit[k / 4 % 2], dt[k % 4], false};
@@ -216,8 +215,7 @@ static void test_kernel_equals_plain(void **state) {
 }
 
 /* The same with the history of contacts, over steps back and forth, so that contacts remember reversals. */
-static void test_history_equals_plain(void **state) {
-    (void)state;
+TEST(test_history_equals_plain) {
     for (int k = 0; k < 4; k++) {
         const conditions c = {0.5, k / 2 ? 1 : 1e6, 0.1, true};
         dynamics fast = make_moving(&states[k % 2], &c, false), plain = make_moving(&states[k % 2], &c, true);
@@ -286,8 +284,7 @@ static void run_steps(dynamics *d, int steps, double dt) {
 
 static const int THREADS[] = {2, 3, 5};
 
-static void test_threads(void **state) {
-    (void)state;
+TEST(test_threads) {
     for (int k = 0; k < 4; k++) {
         const conditions c = {0.5, 1e6, 0.1, k == 1};
         dynamics alone = make_moving(&states[k], &c, false);
@@ -331,8 +328,7 @@ static dynamics make_crowd(int dim, bool wide) {
     return d;
 }
 
-static void test_lists_of_threads(void **state) {
-    (void)state;
+TEST(test_lists_of_threads) {
     for (int k = 0; k < 4; k++) {
         dynamics alone = make_crowd(2 + k / 2, k % 2);
         run_steps(&alone, 100, k % 2 ? 0.01 : 0.1);
@@ -349,8 +345,7 @@ static void test_lists_of_threads(void **state) {
 }
 
 /* Disks with a row of forces for both grains of a pair, and with one that they share. */
-static void test_shared_rows(void **state) {
-    (void)state;
+TEST(test_shared_rows) {
     const conditions c = {0.5, 1e6, 0.1, false};
     for (int k = 0; k < 2; k++) {
         dynamics both = make_moving(&states[k], &c, false), shared = make_moving(&states[k], &c, false);
@@ -367,8 +362,7 @@ static void test_shared_rows(void **state) {
 }
 
 /* Against long double, over all exponents of normal numbers, at mantissas that are dense and odd. */
-static void test_fourth_root(void **state) {
-    (void)state;
+TEST(test_fourth_root) {
     double worst = 0;
     for (int exponent = -1021; exponent <= 1022; exponent++)
         for (int k = 0; k < 257; k++) {
@@ -384,14 +378,4 @@ static void test_fourth_root(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_kernel_equals_plain),
-        cmocka_unit_test(test_history_equals_plain),
-        cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_lists_of_threads),
-        cmocka_unit_test(test_shared_rows),
-        cmocka_unit_test(test_fourth_root),
-    };
-    return cmocka_run_group_tests(tests, make_states, free_states);
-}
+RUN_TESTS(make_states, free_states)

@@ -37,8 +37,7 @@ static void assert_number_refused(const sp_field *f, double value) {
     assert_refused(f, text);
 }
 
-static void every_key_refuses_what_is_out_of_range(void **state) {
-    (void)state;
+TEST(every_key_refuses_what_is_out_of_range) {
     for (const sp_field *f = sp_fields; f < sp_fields + SP_FIELDS; f++) {
         const sp_key *range = sp_field_limits(f);
         if (!range) {
@@ -57,8 +56,7 @@ static void every_key_refuses_what_is_out_of_range(void **state) {
 }
 
 /* What a spec refuses names the same key as what the scene refuses. */
-static void specs_name_the_key(void **state) {
-    (void)state;
+TEST(specs_name_the_key) {
     for (const sp_key *key = sp_pack_keys; key->name; key++) {
         sp_pack_spec s = sp_pack_spec_default();
         sp_error err = {0};
@@ -84,8 +82,7 @@ static void specs_name_the_key(void **state) {
     }
 }
 
-static void unknown_keys_are_the_ones_at_fault(void **state) {
-    (void)state;
+TEST(unknown_keys_are_the_ones_at_fault) {
     sp_scene s;
     sp_error err = {0};
     char *override[] = {(char[]){"packing.widht=3"}};
@@ -111,8 +108,7 @@ static size_t size_of(const sp_key *key) {
 
 /* Every byte of sp_pack_spec but padding belongs to one key: a new member that the table lacks would be missing from
  * the check and from the identity of a saved state. */
-static void every_member_has_a_key(void **state) {
-    (void)state;
+TEST(every_member_has_a_key) {
     static sp_pack_spec spec;
     unsigned char covered[sizeof spec] = {0}, members[sizeof spec];
     memset(&spec, 0xff, sizeof spec);
@@ -167,8 +163,7 @@ static void change(sp_pack_spec *s, const sp_key *key) {
 }
 
 /* A saved state is that of one spec only: it must not go on with any key changed. */
-static void every_key_decides_whose_state_it_is(void **state) {
-    (void)state;
+TEST(every_key_decides_whose_state_it_is) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 40;
     spec.width = 8;
@@ -186,10 +181,4 @@ static void every_key_decides_whose_state_it_is(void **state) {
     free(kept.state);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_key_refuses_what_is_out_of_range), cmocka_unit_test(specs_name_the_key),
-        cmocka_unit_test(unknown_keys_are_the_ones_at_fault), cmocka_unit_test(every_member_has_a_key),
-        cmocka_unit_test(every_key_decides_whose_state_it_is)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -248,8 +248,7 @@ static void check_matrix(whole a, int shifts) {
 
 /* ---- tests ----------------------------------------------------------------------------------------------------- */
 
-static void test_random(void **state) {
-    (void)state;
+TEST(test_random) {
     const int sizes[] = {1, 2, 3, 5, 8, 9, 31, 64, 150};
     for (unsigned k = 0; k < sizeof sizes / sizeof *sizes; k++) {
         check_matrix(random_matrix(sizes[k], 0.03, 100 + k), 8);
@@ -258,8 +257,7 @@ static void test_random(void **state) {
     }
 }
 
-static void test_shapes(void **state) {
-    (void)state;
+TEST(test_shapes) {
     check_matrix(diagonal_matrix(1), 4);
     check_matrix(diagonal_matrix(77), 12);
     check_matrix(arrow_matrix(60, 0), 12);
@@ -268,8 +266,7 @@ static void test_shapes(void **state) {
     check_matrix(disconnected_matrix(90), 12);
 }
 
-static void test_stiffness(void **state) {
-    (void)state;
+TEST(test_stiffness) {
     check_matrix(stiffness_of(chain_packing(200, 1e-4)), 8);
     check_matrix(stiffness_of(chains_packing(7, 11, 1e-4)), 8);
     check_matrix(stiffness_of(scattered_packing(2, 9, 0.5, 1)), 8);
@@ -279,8 +276,7 @@ static void test_stiffness(void **state) {
 }
 
 /* One supernode, wider than the blocks of its factor and of its solves; and two that share rows below. */
-static void test_wide(void **state) {
-    (void)state;
+TEST(test_wide) {
     check_matrix(random_matrix(97, 1, 7), 2);
     check_matrix(random_matrix(255, 1, 8), 2);
     check_matrix(random_matrix(257, 1, 9), 2);
@@ -296,8 +292,7 @@ static void test_wide(void **state) {
 }
 
 /* A pivot of 1e-20 swallows the 2 below it: the factor is that of a matrix far away, and its bound says so. */
-static void test_small_pivot(void **state) {
-    (void)state;
+TEST(test_small_pivot) {
     const whole a = zero_matrix(2);
     set(&a, 0, 0, 1e-20);
     set(&a, 0, 1, 1);
@@ -319,8 +314,7 @@ static void test_small_pivot(void **state) {
     free(a.x);
 }
 
-static void test_zero_pivots(void **state) {
-    (void)state;
+TEST(test_zero_pivots) {
     const whole a = zero_matrix(2), d = diagonal_matrix(10);
     double b[8 * 10], x[8 * 10];
     set(&a, 0, 1, 1);
@@ -345,8 +339,7 @@ static void test_zero_pivots(void **state) {
     free(d.x);
 }
 
-static void test_not_finite(void **state) {
-    (void)state;
+TEST(test_not_finite) {
     const double bad[] = {NAN, INFINITY, -INFINITY};
     const whole a = random_matrix(6, 1, 3);
     sp_ldl *f = ldl_of(&a), *g = NULL;
@@ -373,8 +366,7 @@ static void test_not_finite(void **state) {
     free(a.x);
 }
 
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     const whole a = random_matrix(40, 0.2, 4);
     sp_sparse s = sparse_of(&a);
     for (int k = 0;; k++) {
@@ -461,8 +453,7 @@ static void check_complex(whole re, whole im, double damping) {
     free(im.x);
 }
 
-static void test_complex(void **state) {
-    (void)state;
+TEST(test_complex) {
     check_complex(random_matrix(1, 1, 1), zero_matrix(1), 1);
     check_complex(random_matrix(12, 1, 2), random_matrix(12, 0.3, 3), 5);
     check_complex(random_matrix(90, 0.1, 4), random_matrix(90, 0.05, 5), 5);
@@ -475,8 +466,7 @@ static void test_complex(void **state) {
 }
 
 /* Real numbers give the real solution; the factor is not that of a Hermitian matrix. */
-static void test_complex_is_symmetric(void **state) {
-    (void)state;
+TEST(test_complex_is_symmetric) {
     const whole re = zero_matrix(2), im = zero_matrix(2);
     double *values, x[4] = {1, 0, 0, 0};
     set(&re, 0, 0, 2);
@@ -502,8 +492,7 @@ static void test_complex_is_symmetric(void **state) {
     free(im.x);
 }
 
-static void test_complex_without_memory(void **state) {
-    (void)state;
+TEST(test_complex_without_memory) {
     enum { ROWS = 40 };
     const whole a = random_matrix(ROWS, 0.2, 4);
     sp_sparse s = sparse_of(&a);
@@ -534,17 +523,4 @@ static void test_complex_without_memory(void **state) {
     free(a.x);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_random),
-                                       cmocka_unit_test(test_shapes),
-                                       cmocka_unit_test(test_stiffness),
-                                       cmocka_unit_test(test_wide),
-                                       cmocka_unit_test(test_small_pivot),
-                                       cmocka_unit_test(test_zero_pivots),
-                                       cmocka_unit_test(test_not_finite),
-                                       cmocka_unit_test(test_no_memory),
-                                       cmocka_unit_test(test_complex),
-                                       cmocka_unit_test(test_complex_is_symmetric),
-                                       cmocka_unit_test(test_complex_without_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

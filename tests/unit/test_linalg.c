@@ -34,8 +34,7 @@ static void check_vectors(int n, int count, const double *a, const double *w, co
     assert_close(orthogonality, 0, 20 * n * DBL_EPSILON);
 }
 
-static void test_dense(void **state) {
-    (void)state;
+TEST(test_dense) {
     const int sizes[] = {1, 2, 3, 17, 90};
     for (size_t q = 0; q < sizeof sizes / sizeof *sizes; q++) {
         const int n = sizes[q];
@@ -62,8 +61,7 @@ static void test_dense(void **state) {
     }
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     double a[4] = {1, 0, 0, 1}, w[2];
     sp_tridiagonal t;
     const double bad[] = {NAN, INFINITY};
@@ -76,8 +74,7 @@ static void test_refusals(void **state) {
     }
 }
 
-static void test_orthogonality_sees(void **state) {
-    (void)state;
+TEST(test_orthogonality_sees) {
     enum { N = 200 };
     double *v = calloc(N * N, sizeof *v), largest;
     for (int k = 0; k < N; k++)
@@ -116,8 +113,7 @@ static void fill_chain(chain_matrix *m, double middle) {
     m->a = (sp_sparse){N, m->p, m->i, m->x};
 }
 
-static void test_cholesky(void **state) {
-    (void)state;
+TEST(test_cholesky) {
     chain_matrix m;
     sp_cholesky *c = NULL;
     double b[2 * N] = {0}, x[2 * N];
@@ -134,8 +130,7 @@ static void test_cholesky(void **state) {
     sp_cholesky_free(NULL);
 }
 
-static void test_cholesky_refuses(void **state) {
-    (void)state;
+TEST(test_cholesky_refuses) {
     chain_matrix m;
     sp_cholesky *c = NULL;
     fill_chain(&m, -2); /* indefinite */
@@ -164,8 +159,7 @@ static void scale_chain(chain_matrix *m) {
 }
 
 /* Units matter neither for what is refused nor for the solution. */
-static void test_cholesky_units(void **state) {
-    (void)state;
+TEST(test_cholesky_units) {
     chain_matrix m;
     sp_cholesky *c = NULL;
     double b[N] = {0}, x[N];
@@ -212,8 +206,7 @@ static sp_status solve_shifted(void *with, const double *in, double *out, sp_err
 
 /* A singular matrix: what is in its range is solved in a few steps, and of what is in its null space nothing is made.
  */
-static void test_cg(void **state) {
-    (void)state;
+TEST(test_cg) {
     free_chain f = {.factor = NULL};
     double b[N], x[N], back[N], zero[N];
     fill_chain(&f.m, 2);
@@ -243,8 +236,7 @@ static void test_cg(void **state) {
     sp_cholesky_free(f.factor);
 }
 
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     for (int k = 0;; k++) {
         double *a = random_matrix(5, 2), w[5], v[25];
         sp_tridiagonal t = {0};
@@ -295,8 +287,7 @@ static sp_status divide(void *with, const double *in, double *out, sp_error *rea
     return SP_OK;
 }
 
-static void test_gmres(void **state) {
-    (void)state;
+TEST(test_gmres) {
     int applied = 0;
     double right[ORDER], x[ORDER], back[ORDER], residual;
     gmres_problem g = {ORDER, apply_rank_one, divide, &applied, 1e-12, 10};
@@ -323,15 +314,4 @@ static void test_gmres(void **state) {
     assert_true(residual == 0 && x[3] == 0);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_dense),
-                                       cmocka_unit_test(test_refusals),
-                                       cmocka_unit_test(test_orthogonality_sees),
-                                       cmocka_unit_test(test_cholesky),
-                                       cmocka_unit_test(test_cholesky_refuses),
-                                       cmocka_unit_test(test_cholesky_units),
-                                       cmocka_unit_test(test_cg),
-                                       cmocka_unit_test(test_gmres),
-                                       cmocka_unit_test(test_no_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

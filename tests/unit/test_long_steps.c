@@ -49,8 +49,7 @@ static double speed_after(int dim, double friction, bool long_steps, double leng
 
 /* A contact cannot drive its grains faster than its energy allows, in steps up to 1.5 over their rate. With their own
  * inertia the rotation grows: the coupled mode of a single contact has a viscous rate of 14 zeta. */
-static void test_stiff_grains_are_stable(void **state) {
-    (void)state;
+TEST(test_stiff_grains_are_stable) {
     const double energy = 0.4 * 0.5 * pow(OVERLAP, 2.5), m = 3.14159265358979 / 6; /* of the overlap, below this */
     const double bound = sqrt(2 * energy / m) + 2e-3;
     for (int dim = 2; dim <= 3; dim++)
@@ -62,8 +61,7 @@ static void test_stiff_grains_are_stable(void **state) {
 }
 
 /* Short steps leave every grain as it is, long ones divide both accelerations by the same factor. */
-static void test_factor(void **state) {
-    (void)state;
+TEST(test_factor) {
     for (int dim = 2; dim <= 3; dim++)
         for (int rough = 0; rough < 2; rough++) {
             assert_true(inertia_factor(0.8, 0.1, 0.2, dim, rough) == 1);
@@ -89,8 +87,7 @@ static double pushed(int dim, double v, bool long_steps, double *kick) {
     return after;
 }
 
-static void test_drag_spares_what_gains_speed(void **state) {
-    (void)state;
+TEST(test_drag_spares_what_gains_speed) {
     const double v = 1e-3, keep = 1 - DRAG * DT;
     for (int dim = 2; dim <= 3; dim++) {
         double kick, now = pushed(dim, -v, true, &kick);
@@ -103,8 +100,7 @@ static void test_drag_spares_what_gains_speed(void **state) {
 }
 
 /* The default protocol takes long steps in 3D, and packings come to rest in the longest that a scene may ask for. */
-static void test_packings_at_rest(void **state) {
-    (void)state;
+TEST(test_packings_at_rest) {
     for (int dim = 2; dim <= 3; dim++)
         for (int rough = 0; rough < 2; rough++) {
             sp_pack_spec spec = sp_pack_spec_default();
@@ -123,12 +119,4 @@ static void test_packings_at_rest(void **state) {
         }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_stiff_grains_are_stable),
-        cmocka_unit_test(test_factor),
-        cmocka_unit_test(test_drag_spares_what_gains_speed),
-        cmocka_unit_test(test_packings_at_rest),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

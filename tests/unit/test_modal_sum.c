@@ -57,8 +57,7 @@ static void check(const sp_network *net, sp_source source, double until, const s
     sp_signal_free(&whole);
 }
 
-static void test_bound(void **state) {
-    (void)state;
+TEST(test_bound) {
     for (int shape = 0; shape < 3; shape++) {
         sp_network net = kept_network(shape == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
                                       : shape == 1 ? scattered_packing(3, 5, 0.5, 3)
@@ -74,8 +73,7 @@ static void test_bound(void **state) {
 }
 
 /* By itself as many modes as the tolerance needs; here all. */
-static void test_tolerance(void **state) {
-    (void)state;
+TEST(test_tolerance) {
     sp_network net = kept_network(reference_packing(REFERENCE("packing_N200_p1e-4.txt")));
     sp_signal_options o = sp_signal_options_default();
     o.until = 100;
@@ -112,8 +110,7 @@ static void test_tolerance(void **state) {
     sp_network_free(&net);
 }
 
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     sp_network net = kept_network(chain_packing(420, 1e-4));
     sp_signal_options o = sp_signal_options_default();
     o.until = 10;
@@ -124,8 +121,4 @@ static void test_no_memory(void **state) {
     sp_network_free(&net);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_bound), cmocka_unit_test(test_tolerance),
-                                       cmocka_unit_test(test_no_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -13,8 +13,7 @@ static sp_modes modes_of(const sp_network *net, bool vectors, sp_source source) 
 }
 
 /* Zero modes, lowest and highest frequency as the signal files state them (15 digits). */
-static void test_reference(void **state) {
-    (void)state;
+TEST(test_reference) {
     const struct {
         const char *path;
         int zero;
@@ -57,8 +56,7 @@ static sp_packing shape_packing(int shape) {
 enum { SHAPES = 6 };
 
 /* Both ways to the frequencies agree within their bounds, soft modes relative to themselves. */
-static void test_two_ways(void **state) {
-    (void)state;
+TEST(test_two_ways) {
     for (int shape = 0; shape < SHAPES; shape++) {
         sp_packing p = shape_packing(shape);
         sp_network net = network_of(&p, false);
@@ -83,8 +81,7 @@ static void test_two_ways(void **state) {
 
 /* Vectors are eigenvectors of K, orthonormal, largest part positive; the squares of the frequencies add up to the trace
  * of M^-1 K. */
-static void test_vectors(void **state) {
-    (void)state;
+TEST(test_vectors) {
     for (int shape = 0; shape < SHAPES - 1; shape++) {
         sp_packing p = shape_packing(shape);
         sp_network net = network_of(&p, false);
@@ -120,8 +117,7 @@ static void test_vectors(void **state) {
 
 /* Completeness: sum a_n u_n is the initial displacement, sum a_n omega_n u_n the initial velocity, and b_n what the
  * detector sees of a mode. */
-static void test_amplitudes(void **state) {
-    (void)state;
+TEST(test_amplitudes) {
     sp_packing p = shape_packing(5);
     sp_network net = network_of(&p, false);
     const int64_t n = sp_network_dofs(&net);
@@ -157,8 +153,7 @@ static void test_amplitudes(void **state) {
 
 /* Without friction nothing holds the grains along the walls: one floppy mode, found as exactly 0, and modes much softer
  * than sqrt(DBL_EPSILON) of the highest are told from it. */
-static void test_floppy(void **state) {
-    (void)state;
+TEST(test_floppy) {
     sp_packing p = scattered_packing(2, 12, 0, 1);
     sp_network net = network_of(&p, false);
     for (int vectors = 0; vectors < 2; vectors++) {
@@ -191,8 +186,7 @@ static void test_floppy(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_prestress(void **state) {
-    (void)state;
+TEST(test_prestress) {
     sp_packing p = without_tangential(reference_packing(REFERENCE("packing_N200_p1e-4.txt")));
     sp_network net = network_of(&p, true);
     sp_modes with = modes_of(&net, true, SP_SOURCE_IMPULSE);
@@ -217,8 +211,7 @@ static void test_prestress(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_participation(void **state) {
-    (void)state;
+TEST(test_participation) {
     enum { N = 60 };
     sp_packing p = chain_packing(N, 1e-4);
     sp_network net = network_of(&p, false);
@@ -243,8 +236,7 @@ static sp_packing lattice_packing(double friction) {
 
 /* Networks above 400 degrees of freedom: LAPACK's values are not exact enough for soft modes, which the sparse solver
  * finds again; where it refuses, or has too many to find, LAPACK's vectors are refined. All are right to 1e-12. */
-static void test_frequencies_alone(void **state) {
-    (void)state;
+TEST(test_frequencies_alone) {
     for (int shape = 0; shape < 5; shape++) {
         sp_packing p = shape == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
                        : shape == 1 ? chain_packing(500, 1e-4)
@@ -286,8 +278,7 @@ static void lack_memory(const sp_network *net, bool vectors, int least) {
     sp_modes_free(&m);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = chain_packing(20001, 1e-4);
     sp_network net = network_of(&p, false);
     const sp_modes_options o = sp_modes_options_default();
@@ -308,11 +299,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_reference),     cmocka_unit_test(test_two_ways),
-                                       cmocka_unit_test(test_vectors),       cmocka_unit_test(test_amplitudes),
-                                       cmocka_unit_test(test_floppy),        cmocka_unit_test(test_prestress),
-                                       cmocka_unit_test(test_participation), cmocka_unit_test(test_frequencies_alone),
-                                       cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

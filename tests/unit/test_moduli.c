@@ -14,8 +14,7 @@ static sp_network network_of(const sp_packing *p, bool sliding_free) {
 }
 
 /* C is symmetric although each entry is measured by itself; the wall feels the stress; the solves are exact. */
-static void test_symmetric(void **state) {
-    (void)state;
+TEST(test_symmetric) {
     for (int q = 0; q < 3; q++) {
         sp_packing p = q == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
                        : q == 1 ? reference_packing(REFERENCE("packing_N600_p1e-4.txt"))
@@ -46,8 +45,7 @@ static void test_symmetric(void **state) {
 }
 
 /* In space, too, with and without friction: all six strains, of which smooth walls allow four. */
-static void test_symmetric_3d(void **state) {
-    (void)state;
+TEST(test_symmetric_3d) {
     for (int smooth = 0; smooth < 2; smooth++) {
         sp_packing p = scattered_packing(3, 5, smooth ? 0 : 0.5, 1);
         sp_network net = network_of(&p, false);
@@ -85,8 +83,7 @@ static void test_symmetric_3d(void **state) {
 
 /* A sphere with two contacts turns about the line through them: K is singular, the moduli are those of a sphere that
  * next to nothing more holds. Nor does a sphere of soft contacts make K more singular than one of stiff ones. */
-static void test_pivots(void **state) {
-    (void)state;
+TEST(test_pivots) {
     for (int soft = 0; soft < 2; soft++) {
         sp_packing p = scattered_packing(3, 4, 0.5, 1);
         sp_network net = network_of(&p, false), held = network_of(&p, false);
@@ -173,8 +170,7 @@ static void add_friction(sp_packing *p, double fraction) {
 }
 
 /* Forces that are carried along make K nonsymmetric. Every C is that of elimination, within its error. */
-static void test_nonsymmetric(void **state) {
-    (void)state;
+TEST(test_nonsymmetric) {
     for (int q = 0; q < 6; q++) {
         const double fraction[] = {0.01, 0.1, 0.4};
         sp_packing p = scattered_packing(q < 3 ? 2 : 3, q < 3 ? 6 : 3, 0.5, (unsigned)q + 1);
@@ -231,8 +227,7 @@ static void set_prestress(sp_network *net, int grain, double stiffness) {
 
 /* Prestress that just cancels the stiffness of a motion that the strain drives: the moduli do not exist, and the reason
  * names the grain that moves. */
-static void test_load_on_a_mechanism(void **state) {
-    (void)state;
+TEST(test_load_on_a_mechanism) {
     enum { GRAIN = 14 };
     sp_packing p = scattered_packing(2, 6, 0.5, 1);
     sp_network net = network_of(&p, false);
@@ -261,8 +256,7 @@ static void test_load_on_a_mechanism(void **state) {
 }
 
 /* Table II at p = 1e-4: 600 grains, mean and standard deviation of 30 samples; ours is one. */
-static void test_table(void **state) {
-    (void)state;
+TEST(test_table) {
     sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
     sp_network net = network_of(&p, false);
     sp_moduli m;
@@ -276,8 +270,7 @@ static void test_table(void **state) {
 }
 
 /* N + 1 equal springs in a row: C22 = K H/(N + 1). */
-static void test_chain(void **state) {
-    (void)state;
+TEST(test_chain) {
     sp_packing p = chain_packing(25, 1e-4);
     sp_network net = network_of(&p, false);
     sp_moduli m;
@@ -291,8 +284,7 @@ static void test_chain(void **state) {
 /* A square lattice of equal touching grains between walls is springs in a row: with k_n along the rows and columns,
  * C11 = k_n of a row's contact, C22 from the column with its two walls, C12 = 0, C33 from the tangential springs, all
  * grains held from turning by their neighbours' symmetry. */
-static void test_square_lattice(void **state) {
-    (void)state;
+TEST(test_square_lattice) {
     enum { N = 6 };
     const double overlap = 0.01, spacing = 1 - overlap;
     sp_packing p = sp_packing_none();
@@ -345,8 +337,7 @@ static void test_square_lattice(void **state) {
 }
 
 /* Smooth walls cannot shear: C33 is withheld, the rest is there, though the whole may float sideways. */
-static void test_frictionless(void **state) {
-    (void)state;
+TEST(test_frictionless) {
     sp_packing p = scattered_packing(2, 12, 0, 1);
     sp_network net = network_of(&p, false);
     sp_stiffness s;
@@ -363,8 +354,7 @@ static void test_frictionless(void **state) {
 }
 
 /* Where every contact of a grain slides it turns freely: no stiffness, and no reason to refuse. */
-static void test_free_rotation(void **state) {
-    (void)state;
+TEST(test_free_rotation) {
     sp_packing p = scattered_packing(2, 8, 0.5, 1);
     for (int k = 0; k < p.n_contacts; k++) {
         sp_contact *c = &p.contacts[k];
@@ -384,8 +374,7 @@ static void test_free_rotation(void **state) {
 }
 
 /* What hangs loose makes K singular, but carries no stress: the moduli are those without it. */
-static void test_floppy_parts(void **state) {
-    (void)state;
+TEST(test_floppy_parts) {
     sp_packing p = scattered_packing(2, 6, 0.5, 1);
     sp_network net = network_of(&p, false), bare = network_of(&p, false);
     sp_moduli m, expected;
@@ -424,8 +413,7 @@ static void fail_every_allocation(const sp_network *net) {
     }
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_moduli m;
     sp_packing p = scattered_packing(2, 6, 0.5, 1);
     sp_network net = network_of(&p, false);
@@ -460,18 +448,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_symmetric),
-                                       cmocka_unit_test(test_symmetric_3d),
-                                       cmocka_unit_test(test_pivots),
-                                       cmocka_unit_test(test_nonsymmetric),
-                                       cmocka_unit_test(test_load_on_a_mechanism),
-                                       cmocka_unit_test(test_table),
-                                       cmocka_unit_test(test_chain),
-                                       cmocka_unit_test(test_square_lattice),
-                                       cmocka_unit_test(test_frictionless),
-                                       cmocka_unit_test(test_free_rotation),
-                                       cmocka_unit_test(test_floppy_parts),
-                                       cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

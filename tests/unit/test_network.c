@@ -34,8 +34,7 @@ static sp_packing shape_packing(int shape) {
     }
 }
 
-static void test_reference_counts(void **state) {
-    (void)state;
+TEST(test_reference_counts) {
     sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     sp_network net = network_of(&p, false, false);
     assert_int_equal(net.rattlers, 25);
@@ -65,8 +64,7 @@ static void test_reference_counts(void **state) {
 }
 
 /* Against the definition, formed by hand for one pair: k_n = 2 E12 sqrt(R12 n), eta = (1-nu)/(1-nu/2). */
-static void test_stiffness(void **state) {
-    (void)state;
+TEST(test_stiffness) {
     sp_packing p = scattered_packing(2, 6, 0.5, 1);
     sp_network net = network_of(&p, true, false);
     for (int k = 0; k < net.n_springs; k++) {
@@ -92,8 +90,7 @@ static void test_stiffness(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_sliding(void **state) {
-    (void)state;
+TEST(test_sliding) {
     sp_packing p = scattered_packing(2, 6, 0.5, 1);
     for (int k = 0; k < p.n_contacts; k++) { /* a third far from sliding, a third at the limit, a third 2% below */
         sp_contact *c = &p.contacts[k];
@@ -155,8 +152,7 @@ static double jacobian_error(const sp_packing *p, const sp_network *net, const d
 
 /* Without tangential springs K, prestress included, is the Jacobian of the forces: the error of a central difference
  * falls as h^2. */
-static void test_jacobian(void **state) {
-    (void)state;
+TEST(test_jacobian) {
     srand(11);
     for (int dim = 1; dim <= 3; dim++) {
         sp_packing p = dim == 1 ? chain_packing(20, 1e-3) : scattered_packing(dim, dim == 2 ? 6 : 4, 0, 5);
@@ -177,8 +173,7 @@ static void test_jacobian(void **state) {
 }
 
 /* Tangential springs feel the velocity of the contact points: u + theta x arm on either side. */
-static void test_tangential(void **state) {
-    (void)state;
+TEST(test_tangential) {
     srand(12);
     for (int shape = 1; shape <= 3; shape += 2) {
         sp_packing p = shape_packing(shape);
@@ -215,8 +210,7 @@ static void test_tangential(void **state) {
 
 /* The assembled matrix, the kernel for one vector and for two, and the energy are the same K; it is symmetric by its
  * storage and positive semidefinite without prestress. */
-static void test_assembled(void **state) {
-    (void)state;
+TEST(test_assembled) {
     srand(13);
     for (int shape = 0; shape < SHAPES; shape++)
         for (int prestress = 0; prestress < 2; prestress++) {
@@ -277,8 +271,7 @@ static void test_assembled(void **state) {
 }
 
 /* Moving all grains along the walls costs nothing but the walls' tangential springs; across, their normal ones. */
-static void test_translation(void **state) {
-    (void)state;
+TEST(test_translation) {
     for (int shape = 1; shape < SHAPES; shape++) {
         sp_packing p = shape_packing(shape);
         sp_network net = network_of(&p, true, false);
@@ -301,8 +294,7 @@ static void test_translation(void **state) {
 }
 
 /* The bound of the energy's rounding holds against long double, for soft and for rough displacements. */
-static void test_energy_rounding(void **state) {
-    (void)state;
+TEST(test_energy_rounding) {
     srand(14);
     for (int shape = 0; shape < SHAPES; shape++)
         for (int soft = 0; soft < 2; soft++) {
@@ -332,8 +324,7 @@ static void test_energy_rounding(void **state) {
         }
 }
 
-static void test_source_detector(void **state) {
-    (void)state;
+TEST(test_source_detector) {
     sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     sp_network net = network_of(&p, false, false);
     const int64_t n = sp_network_dofs(&net);
@@ -370,8 +361,7 @@ static void test_source_detector(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = chain_packing(5, 1e-4);
     sp_network_options o = sp_network_options_default();
     sp_network net = sp_network_none();
@@ -401,8 +391,7 @@ static void test_refusals(void **state) {
     assert_fails(sp_network_make(&p, &o, &net, &err), SP_EREFUSED, "0 0.0001");
 }
 
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     sp_packing p = scattered_packing(2, 5, 0.5, 1);
     sp_network_options o = sp_network_options_default();
     int k = 0;
@@ -427,8 +416,7 @@ static void test_no_memory(void **state) {
 }
 
 /* Two springs between the same grains, as through both sides of a narrow periodic box, add up. */
-static void test_double_contact(void **state) {
-    (void)state;
+TEST(test_double_contact) {
     sp_packing p = scattered_packing(2, 2, 0.5, 3);
     sp_network net = network_of(&p, false, false);
     int pairs = 0;
@@ -462,12 +450,4 @@ static void test_double_contact(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_reference_counts), cmocka_unit_test(test_stiffness),
-                                       cmocka_unit_test(test_sliding),          cmocka_unit_test(test_jacobian),
-                                       cmocka_unit_test(test_tangential),       cmocka_unit_test(test_assembled),
-                                       cmocka_unit_test(test_translation),      cmocka_unit_test(test_energy_rounding),
-                                       cmocka_unit_test(test_source_detector),  cmocka_unit_test(test_refusals),
-                                       cmocka_unit_test(test_no_memory),        cmocka_unit_test(test_double_contact)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

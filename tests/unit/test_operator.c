@@ -97,8 +97,7 @@ static void check_forces(const kind *k, const sp_network *net, sp_operator *op) 
     free(u);
 }
 
-static void test_forces(void **state) {
-    (void)state;
+TEST(test_forces) {
     kind all[] = {{"one ball", chain_packing(1, 1e-4), false, 1, 1},
                   {"chain", chain_packing(40, 1e-4), false, 1, 1},
                   {"long chain", chain_packing(5000, 1e-4), false, 4, 6},
@@ -132,8 +131,7 @@ static void test_forces(void **state) {
 }
 
 /* More grains than integers can number in a vector. */
-static void test_too_many(void **state) {
-    (void)state;
+TEST(test_too_many) {
     kind k = {"chain", chain_packing(3, 1e-4), false, 1, 1};
     sp_network net = network_of(&k);
     const int32_t n = net.n;
@@ -147,8 +145,7 @@ static void test_too_many(void **state) {
 }
 
 /* Lever arms that are not the radii, and masses that differ between axes or rotations, are refused. */
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     for (int which = 0; which < 4; which++) {
         kind k = {"levers", scattered_packing(which == 3 ? 3 : 2, 4, 0.5, 5), false, 1, 1};
         sp_network net = network_of(&k);
@@ -167,8 +164,7 @@ static void test_refusals(void **state) {
     }
 }
 
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     kind k = {"chain", chain_packing(3000, 1e-4), false, 2, 4};
     sp_network net = network_of(&k);
     for (int q = 0;; q++) {
@@ -189,8 +185,4 @@ static void test_no_memory(void **state) {
     sp_packing_free(&k.p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_forces), cmocka_unit_test(test_refusals),
-                                       cmocka_unit_test(test_too_many), cmocka_unit_test(test_no_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

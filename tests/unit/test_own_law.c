@@ -36,8 +36,7 @@ static void assert_same_own(const sp_packing *p, const sp_packing *q) {
     assert_same_bits("material", &p->material.young, &q->material.young, 4);
 }
 
-static void files_keep_every_bit(void **state) {
-    (void)state;
+TEST(files_keep_every_bit) {
     const char *h5 = fixture_path(folder, "p.h5");
     for (int dim = 1; dim <= 3; dim++)
         for (int own = 0; own < 4; own++) {
@@ -65,8 +64,7 @@ static void files_keep_every_bit(void **state) {
 }
 
 /* Stiffnesses times a and masses times b: frequencies times sqrt(a/b), to the last bit for powers of 4. */
-static void network_takes_them(void **state) {
-    (void)state;
+TEST(network_takes_them) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 60;
     spec.width = 8;
@@ -114,8 +112,7 @@ static void network_takes_them(void **state) {
 }
 
 /* What needs forces away from rest refuses them. */
-static void law_is_needed(void **state) {
-    (void)state;
+TEST(law_is_needed) {
     sp_packing p = fixture_packing(3, 2, 40);
     assert_true(sp_packing_hertzian(&p));
     assert_ok(sp_packing_need_law(&p, "this", &err));
@@ -128,13 +125,11 @@ static void law_is_needed(void **state) {
 }
 
 /* An elastic wall is half as stiff as a rigid plane, whose modulus is that of one grain. */
-static void elastic_wall(void **state) {
-    (void)state;
+TEST(elastic_wall) {
     assert_true(contact_wall_stiffness(0.49, SP_WALL_ELASTIC) == 0.5 * contact_wall_stiffness(0.49, SP_WALL_RIGID));
 }
 
-static void structure_is_checked(void **state) {
-    (void)state;
+TEST(structure_is_checked) {
     const double bad[] = {-1, NAN, INFINITY};
     sp_packing p = fixture_packing(3, 2, 40);
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
@@ -152,8 +147,7 @@ static void structure_is_checked(void **state) {
     sp_packing_free(&p);
 }
 
-static void material_as_text(void **state) {
-    (void)state;
+TEST(material_as_text) {
     sp_material m, again;
     char text[SP_MATERIAL_TEXT];
     assert_ok(sp_material_read("d=1e-3, rho=2500,E=70e9,nu=0.22", &m, &err));
@@ -174,11 +168,4 @@ static void material_as_text(void **state) {
     assert_int_equal(sp_material_read("young=1", &m, NULL), SP_EINVAL);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(files_keep_every_bit), cmocka_unit_test(network_takes_them),
-        cmocka_unit_test(law_is_needed),        cmocka_unit_test(elastic_wall),
-        cmocka_unit_test(structure_is_checked), cmocka_unit_test(material_as_text),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+RUN_TESTS(make_folder, remove_folder)

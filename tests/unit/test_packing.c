@@ -45,8 +45,7 @@ static void assert_sound(const sp_packing *p) {
     assert_int_equal(a.carrying, p->n_contacts);
 }
 
-static void test_triangular(void **state) {
-    (void)state;
+TEST(test_triangular) {
     sp_packing p = make_triangular(25, 24, 1e-4);
     assert_sound(&p);
     assert_int_equal(p.n_contacts, 3 * 600);
@@ -68,8 +67,7 @@ static void test_triangular(void **state) {
 }
 
 /* Walls bear p times their area, whatever the size of the grains. */
-static void test_other_sizes(void **state) {
-    (void)state;
+TEST(test_other_sizes) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.kind = SP_PACK_TRIANGULAR;
     spec.width = 20;
@@ -108,8 +106,7 @@ static void test_other_sizes(void **state) {
     assert_fails(sp_packing_make(&spec, NULL, NULL, &p, &err), SP_EFAILED, "packing.pressure 0.01");
 }
 
-static void test_chain(void **state) {
-    (void)state;
+TEST(test_chain) {
     sp_packing p = make_chain(10, 0, 0);
     assert_sound(&p);
     assert_int_equal(p.n_contacts, 11);
@@ -150,8 +147,7 @@ static int naive_rattlers(const sp_packing *p, double threshold, uint8_t *rattle
     return total;
 }
 
-static void test_rattlers(void **state) {
-    (void)state;
+TEST(test_rattlers) {
     uint8_t want[100], got[100], carrying[400];
     for (uint64_t seed = 1; seed <= 200; seed++) {
         sp_packing p = make_triangular(10, 10, 1e-4);
@@ -172,8 +168,7 @@ static void test_rattlers(void **state) {
     }
 }
 
-static void test_check_finds(void **state) {
-    (void)state;
+TEST(test_check_finds) {
     sp_packing p = make_triangular(4, 5, 1e-4), q;
 #define BROKEN(change, text)                                                                                           \
     do {                                                                                                               \
@@ -208,8 +203,7 @@ static void test_check_finds(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_audit_finds(void **state) {
-    (void)state;
+TEST(test_audit_finds) {
     sp_audit a;
     sp_packing p = make_triangular(6, 6, 1e-4);
     p.contacts[10].fn *= 1.01;
@@ -247,8 +241,7 @@ static void test_audit_finds(void **state) {
 }
 
 /* Overlap and force follow from each other as in a packing that has both; what has neither is refused. */
-static void test_complete(void **state) {
-    (void)state;
+TEST(test_complete) {
     sp_packing p = make_triangular(6, 6, 1e-4), q = make_triangular(6, 6, 1e-4);
     for (int c = 0; c < q.n_contacts; c++)
         *(c % 2 ? &q.contacts[c].fn : &q.contacts[c].overlap) = NAN;
@@ -270,8 +263,7 @@ static void test_complete(void **state) {
     sp_packing_free(&q);
 }
 
-static void test_statics(void **state) {
-    (void)state;
+TEST(test_statics) {
     sp_packing p = make_triangular(60, 20, 1e-6);
     sp_statics s;
     assert_ok(sp_statics_make(&p, 1e-4, 3, &s, &err));
@@ -293,8 +285,7 @@ static void test_statics(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_spec_refuses(void **state) {
-    (void)state;
+TEST(test_spec_refuses) {
     sp_pack_spec s;
 #define REFUSED(change, text)                                                                                          \
     do {                                                                                                               \
@@ -386,8 +377,7 @@ static void test_spec_refuses(void **state) {
 }
 
 /* The walls of a box balance together: friction at the bottom holds what the left wall pushes more than the right. */
-static void test_audit_box(void **state) {
-    (void)state;
+TEST(test_audit_box) {
     sp_packing p;
     sp_audit a;
     const double f = 1e-4, slip = 1e-5, normal[4][2] = {{0, -1}, {0, 1}, {-1, 0}, {1, 0}};
@@ -411,12 +401,4 @@ static void test_audit_box(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_triangular), cmocka_unit_test(test_other_sizes), cmocka_unit_test(test_chain),
-        cmocka_unit_test(test_rattlers),   cmocka_unit_test(test_check_finds), cmocka_unit_test(test_audit_finds),
-        cmocka_unit_test(test_complete),   cmocka_unit_test(test_statics),     cmocka_unit_test(test_spec_refuses),
-        cmocka_unit_test(test_audit_box),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

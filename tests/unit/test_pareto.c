@@ -52,8 +52,7 @@ static bool drawn(const char *word) {
 }
 
 /* Methods and the case are named; auto, and rows of other cases or without a number, are not drawn. */
-static void test_rows(void **state) {
-    (void)state;
+TEST(test_rows) {
     sp_table t = bench_table();
     add(&t, "signal:a", "auto", 1e-3, 1e-12);
     add(&t, "signal:a", "expansion", 1e-3, 1e-12);
@@ -71,8 +70,7 @@ static void test_rows(void **state) {
     sp_table_free(&t);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_table t = bench_table();
     assert_fails(sp_plot_pareto(&t, NULL, path, &err), SP_EREFUSED, "");
     for (int k = 0; k < 40; k++) {
@@ -88,8 +86,7 @@ static void test_refusals(void **state) {
     sp_table_free(&t);
 }
 
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     sp_table t = bench_table();
     add(&t, "c", "m", 1, 1e-3);
     for (int k = 0; k < 2; k++) {
@@ -101,8 +98,4 @@ static void test_no_memory(void **state) {
     sp_table_free(&t);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_rows), cmocka_unit_test(test_refusals),
-                                       cmocka_unit_test(test_no_memory)};
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

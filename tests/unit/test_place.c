@@ -54,8 +54,7 @@ static void planes_balance(sp_packing p, bool prestress, bool shear) {
     sp_network_free(&net);
 }
 
-static void momentum_is_balanced(void **state) {
-    (void)state;
+TEST(momentum_is_balanced) {
     for (int prestress = 0; prestress < 2; prestress++)
         for (int dim = 2; dim <= 3; dim++) {
             planes_balance(scattered_packing(dim, 5, 0.5, 3), prestress, false);
@@ -67,8 +66,7 @@ static void momentum_is_balanced(void **state) {
     planes_balance(chain_packing(9, 1e-4), false, false);
 }
 
-static void parts_make_the_whole(void **state) {
-    (void)state;
+TEST(parts_make_the_whole) {
     sp_packing p = scattered_packing(2, 6, 0.5, 11);
     sp_network net = network_of(&p, false);
     double *u = random_vector(&net, 12);
@@ -92,8 +90,7 @@ static void parts_make_the_whole(void **state) {
 }
 
 /* A grain inside: the net force on it; as a source a unit of momentum. */
-static void grains_inside(void **state) {
-    (void)state;
+TEST(grains_inside) {
     sp_packing p = scattered_packing(2, 6, 0.5, 13);
     sp_network net = network_of(&p, true);
     const int64_t n = sp_network_dofs(&net);
@@ -121,8 +118,7 @@ static void grains_inside(void **state) {
 }
 
 /* A wall that moves along x pushes its grains and turns them: force balance of a single grain on the wall. */
-static void shear_turns(void **state) {
-    (void)state;
+TEST(shear_turns) {
     sp_packing p = scattered_packing(2, 5, 0.5, 15);
     sp_network net = network_of(&p, false);
     double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
@@ -141,8 +137,7 @@ static void shear_turns(void **state) {
     sp_network_free(&net);
 }
 
-static void wrong_places(void **state) {
-    (void)state;
+TEST(wrong_places) {
     sp_packing p = scattered_packing(2, 5, 0, 17), chain = chain_packing(4, 1e-4);
     sp_network net = network_of(&p, false), row = network_of(&chain, false);
     double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
@@ -172,8 +167,7 @@ static void wrong_places(void **state) {
 }
 
 /* Signals are linear in source and detector: those of the parts add up, whatever the method. */
-static void signals_add_up(void **state) {
-    (void)state;
+TEST(signals_add_up) {
     const sp_signal_method methods[] = {SP_SIGNAL_CHEBYSHEV, SP_SIGNAL_DENSE};
     sp_packing p = scattered_packing(2, 6, 0.5, 19);
     sp_network net = network_of(&p, false);
@@ -207,9 +201,4 @@ static void signals_add_up(void **state) {
     sp_network_free(&net);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(momentum_is_balanced), cmocka_unit_test(parts_make_the_whole),
-                                       cmocka_unit_test(grains_inside),        cmocka_unit_test(shear_turns),
-                                       cmocka_unit_test(wrong_places),         cmocka_unit_test(signals_add_up)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -122,8 +122,7 @@ static double jacobian_error(const sp_packing *p, const sp_network *net, stage b
 
 /* In the plane and in space, with walls, tangential forces everywhere, all of it sticking: the error falls as h^2.
  * What tangential forces add is far larger than the error. */
-static void test_jacobian(void **state) {
-    (void)state;
+TEST(test_jacobian) {
     for (int dim = 2; dim <= 3; dim++)
         for (int by = 0; by < STAGES; by++) {
             sp_packing p = carried_packing(dim, dim == 2 ? 6 : 4, 0.4, 7 + (unsigned)dim);
@@ -145,8 +144,7 @@ static void test_jacobian(void **state) {
 }
 
 /* A packing under the piston: forces at rest as they come about, friction that may yield but does not. */
-static void test_packed(void **state) {
-    (void)state;
+TEST(test_packed) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_pack_spec spec = sp_pack_spec_default();
         sp_packing p = sp_packing_none();
@@ -189,8 +187,7 @@ static void cut_free(sp_packing *p) {
 
 /* A free cluster that turns carries its forces and torques with it, but for the slip by undeformed lever arms, which is
  * the overlap times the angle. */
-static void test_turned(void **state) {
-    (void)state;
+TEST(test_turned) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_packing p = carried_packing(dim, dim == 2 ? 5 : 4, 0.4, 31);
         cut_free(&p);
@@ -264,8 +261,7 @@ static double dot(int64_t n, const double *x, const double *y) {
 }
 
 /* Assembled as a whole, its symmetric part, applied, transposed, as energy, two at once: the same J. */
-static void test_assembled(void **state) {
-    (void)state;
+TEST(test_assembled) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_packing p = carried_packing(dim, dim == 2 ? 6 : 4, 0.4, 41);
         sp_network net = carried_network(&p);
@@ -336,8 +332,7 @@ static double norm_of(const sp_network *net, double sign) {
 }
 
 /* The bounds hold and are near; without tangential forces, or without prestress, K is symmetric. */
-static void test_bounds(void **state) {
-    (void)state;
+TEST(test_bounds) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_packing p = carried_packing(dim, dim == 2 ? 6 : 4, 0.4, 47);
         sp_network net = carried_network(&p);
@@ -363,9 +358,4 @@ static void test_bounds(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_jacobian), cmocka_unit_test(test_packed),
-                                       cmocka_unit_test(test_turned), cmocka_unit_test(test_assembled),
-                                       cmocka_unit_test(test_bounds)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -16,8 +16,7 @@ static sp_probe_moduli probe_of(const sp_network *net, sp_probe_kind kind, int n
 
 /* N equal balls evenly between the walls: the sine is an eigenvector of N + 1 equal springs, with 4 k sin^2(n pi/(2(N +
  * 1))); lines leave every spring stretched alike. The sums that take part are of 25 terms. */
-static void test_chain(void **state) {
-    (void)state;
+TEST(test_chain) {
     enum { N = 23 };
     sp_packing p = chain_packing(N, 1e-4);
     sp_network net = default_network(&p);
@@ -45,8 +44,7 @@ static void test_chain(void **state) {
 
 /* In an ordered packing the apparent moduli of long waves are the global ones: what the walls and the lattice take off
  * falls as one over the height. */
-static void test_lattice(void **state) {
-    (void)state;
+TEST(test_lattice) {
     double off[2][4];
     for (int high = 0; high < 2; high++) {
         sp_pack_spec spec = sp_pack_spec_default();
@@ -76,8 +74,7 @@ static void test_lattice(void **state) {
 
 /* Fixing grains can only stiffen; each probe alone is each probe among others, and the global moduli are those of
  * sp_moduli_make. */
-static void test_together(void **state) {
-    (void)state;
+TEST(test_together) {
     sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
     sp_network net = default_network(&p);
     const sp_probe probe[] = {{SP_PROBE_SINE, 1}, {SP_PROBE_SINE, 2}, {SP_PROBE_LINES, 1}, {SP_PROBE_LINES, 3}};
@@ -103,8 +100,7 @@ static void test_together(void **state) {
 
 /* Walls that do not grip: the cosine has a modulus to give, lines have none. The cosine's is near the sine's between
  * walls that do. */
-static void test_smooth(void **state) {
-    (void)state;
+TEST(test_smooth) {
     sp_packing p = scattered_packing(2, 16, 0.5, 1);
     sp_network net = default_network(&p);
     const sp_probe_moduli rough = probe_of(&net, SP_PROBE_SINE, 2);
@@ -129,8 +125,7 @@ enum { LOOSE = 136 };
 
 /* A grain that hangs on one spring: the body force across it has no answer and is left out, what remains is that of a
  * packing in which the grain rests on the spring alone. A grain that is nearly so takes most of the energy. */
-static void test_loose(void **state) {
-    (void)state;
+TEST(test_loose) {
     sp_packing p = scattered_packing(2, 16, 0.5, 1);
     sp_network net = default_network(&p);
     const sp_probe_moduli whole = probe_of(&net, SP_PROBE_SINE, 1);
@@ -162,8 +157,7 @@ static void test_loose(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_space(void **state) {
-    (void)state;
+TEST(test_space) {
     for (int smooth = 0; smooth < 2; smooth++) {
         sp_packing p = scattered_packing(3, 6, smooth ? 0 : 0.5, 1);
         sp_network net = default_network(&p);
@@ -182,8 +176,7 @@ static void test_space(void **state) {
     }
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = scattered_packing(2, 8, 0.5, 1);
     sp_network net = default_network(&p);
     sp_probe_moduli out[2];
@@ -230,10 +223,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_chain),    cmocka_unit_test(test_lattice),
-                                       cmocka_unit_test(test_together), cmocka_unit_test(test_smooth),
-                                       cmocka_unit_test(test_loose),    cmocka_unit_test(test_space),
-                                       cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

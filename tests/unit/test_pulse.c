@@ -76,8 +76,7 @@ static const sp_pulse pulses[] = {{.kind = SP_PULSE_GAUSS, .width = 0.7},
 enum { PULSES = sizeof pulses / sizeof *pulses };
 
 /* Closed forms, mode by mode; both kinds of source. */
-static void test_closed_forms(void **state) {
-    (void)state;
+TEST(test_closed_forms) {
     sp_packing all[] = {chain_packing(1, 1e-4), chain_packing(15, 1e-4), scattered_packing(2, 4, 0.5, 1)};
     for (int q = 0; q < 3; q++) {
         sp_network net = default_network(&all[q]);
@@ -126,8 +125,7 @@ static void test_closed_forms(void **state) {
 }
 
 /* A Gaussian while it goes on, by Simpson's rule. */
-static void test_gauss_within(void **state) {
-    (void)state;
+TEST(test_gauss_within) {
     enum { STEPS = 40000 };
     sp_packing p = chain_packing(1, 1e-4);
     sp_network net = default_network(&p);
@@ -175,8 +173,7 @@ static double stepped(const sp_network *net, const sp_pulse *pulse, double until
 }
 
 /* The driven motion, step by step, comes to the convolution at its second order. */
-static void test_time_integration(void **state) {
-    (void)state;
+TEST(test_time_integration) {
     sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     sp_network net = default_network(&p);
     const sp_pulse pulse[] = {{.kind = SP_PULSE_RICKER, .omega = 0.3},
@@ -196,8 +193,7 @@ static void test_time_integration(void **state) {
 }
 
 /* The answer with dashpots, which is nothing before t = 0 and has no continuation there. */
-static void test_damped(void **state) {
-    (void)state;
+TEST(test_damped) {
     sp_packing p = chain_packing(1, 1e-4);
     sp_network net = default_network(&p);
     /* two springs and dashpots c = decay m each: the force on the wall is k u + c u' */
@@ -225,8 +221,7 @@ static void test_damped(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     const double t[] = {0, 2, 1}, s[] = {0, 1, 0}, bad[] = {0, NAN, 1};
     const struct {
         sp_pulse pulse;
@@ -265,11 +260,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_forms),     cmocka_unit_test(test_gauss_within),
-        cmocka_unit_test(test_time_integration), cmocka_unit_test(test_damped),
-        cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

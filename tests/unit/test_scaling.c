@@ -59,8 +59,7 @@ static sp_scaling scaling_of(data *d) {
 
 /* ---- known laws -------------------------------------------------------------------------------------------------- */
 
-static void exact_laws(void **state) {
-    (void)state;
+TEST(exact_laws) {
     for (int joint = 0; joint < 2; joint++) {
         data d = make(ROWS, 4, joint == 1);
         sp_scaling s = scaling_of(&d);
@@ -101,8 +100,7 @@ static void exact_laws(void **state) {
 
 /* The chain's own limits, 2/3 and 1/3 (Table III of Somfai et al. 2005): local exponents differ from them by
  * corrections of the relative order N^(-2/3). */
-static void fronts_of_chains(void **state) {
-    (void)state;
+TEST(fronts_of_chains) {
     const int64_t grains[3] = {10000, 32000, 100000};
     data d = make(3, 1, false);
     for (int r = 0; r < 3; r++) {
@@ -157,8 +155,7 @@ static void scatter(data *d, uint64_t *random) {
  * degrees of freedom, sqrt(19/17) = 1.057; chi2 has the mean freedom x 19/17 (each row's variance is estimated from
  * 20). 150 sets know a spread to 6%, of which three times are allowed, and chi2 (whose own spread is sqrt(2 x 3)) to
  * 0.2. */
-static void errors_cover(void **state) {
-    (void)state;
+TEST(errors_cover) {
     enum { SETS = 150, N = 20, PULLS = 6 };
     uint64_t random = 20261121;
     print_message("seed %llu\n", (unsigned long long)random);
@@ -193,8 +190,7 @@ static void errors_cover(void **state) {
 }
 
 /* A factor that a packing has at all its planes moves no exponent; between boxes it would. */
-static void packings_are_drawn_whole(void **state) {
-    (void)state;
+TEST(packings_are_drawn_whole) {
     for (int joint = 0; joint < 2; joint++) {
         data d = make(3, 10, joint == 1);
         double ln[10], mean = 0, square = 0;
@@ -222,8 +218,7 @@ static void packings_are_drawn_whole(void **state) {
 /* ---- what is missing -----------------------------------------------------------------------------------------------
  */
 
-static void few_samples_and_rows(void **state) {
-    (void)state;
+TEST(few_samples_and_rows) {
     data d = make(3, 1, false);
     sp_scaling s = scaling_of(&d);
     assert_close(s.row[0].gamma.value, 1.5, 1e-12);
@@ -258,8 +253,7 @@ static void few_samples_and_rows(void **state) {
     sp_scaling_free(&s);
 }
 
-static void missing_marks(void **state) {
-    (void)state;
+TEST(missing_marks) {
     data d = make(4, 4, true);
     const sp_front none = {NAN, NAN, NAN, NAN, NAN, 0};
     d.front[1][2].t_zero = d.front[1][2].width = NAN; /* one sample without a zero crossing */
@@ -289,8 +283,7 @@ static void missing_marks(void **state) {
     sp_scaling_free(&s);
 }
 
-static void values_without_logarithm(void **state) {
-    (void)state;
+TEST(values_without_logarithm) {
     data d = make(3, 3, false);
     for (int k = 0; k < 3; k++)
         d.front[1][k].amplitude = -1;
@@ -303,8 +296,7 @@ static void values_without_logarithm(void **state) {
     sp_scaling_free(&s);
 }
 
-static void wrong_input(void **state) {
-    (void)state;
+TEST(wrong_input) {
     sp_scaling s;
     data d = make(2, 3, true);
     d.in.rows = 0;
@@ -326,8 +318,7 @@ static void wrong_input(void **state) {
     assert_fails(sp_scaling_make(input(&d), &s, &err), SP_EINVAL, "8");
 }
 
-static void lack_of_memory(void **state) {
-    (void)state;
+TEST(lack_of_memory) {
     sp_status status = SP_ENOMEM;
     int64_t k;
     for (k = 0; status != SP_OK; k++) {
@@ -343,17 +334,4 @@ static void lack_of_memory(void **state) {
     assert_true(k > 5);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(exact_laws),
-        cmocka_unit_test(fronts_of_chains),
-        cmocka_unit_test(errors_cover),
-        cmocka_unit_test(packings_are_drawn_whole),
-        cmocka_unit_test(few_samples_and_rows),
-        cmocka_unit_test(missing_marks),
-        cmocka_unit_test(values_without_logarithm),
-        cmocka_unit_test(wrong_input),
-        cmocka_unit_test(lack_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

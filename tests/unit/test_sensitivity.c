@@ -59,8 +59,7 @@ static functional_case case_of(double t) {
     return c;
 }
 
-static void test_disks(void **state) {
-    (void)state;
+TEST(test_disks) {
     static const int orders[TIMES] = {0, 1, 2};
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 40;
@@ -78,8 +77,7 @@ static void test_disks(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_spheres(void **state) {
-    (void)state;
+TEST(test_spheres) {
     static const int orders[TIMES] = {1, 0, 2};
     sp_pack_spec spec = spheres(60, 5, 0.3, 3);
     sp_packing p = make_packing(&spec);
@@ -93,8 +91,7 @@ static void test_spheres(void **state) {
 }
 
 /* Without friction K with prestress is symmetric, and its forces at rest follow the positions. */
-static void test_prestress(void **state) {
-    (void)state;
+TEST(test_prestress) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 40;
     spec.width = 5;
@@ -114,8 +111,7 @@ static void test_prestress(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_chain(void **state) {
-    (void)state;
+TEST(test_chain) {
     sp_packing p = chain_packing(12, 1e-4);
     functional_case c = case_of(60);
     compare(&p, false, &c, 1e-3);
@@ -123,8 +119,7 @@ static void test_chain(void **state) {
 }
 
 /* Planes and grains in a cell without walls; a detector of shear; parts of walls. */
-static void test_places(void **state) {
-    (void)state;
+TEST(test_places) {
     sp_packing p = cells_triangular(6, 6, 1e-3, 0.5);
     const sp_place low = {.kind = SP_PLACE_PLANE, .height = 0.7}, high = {.kind = SP_PLACE_PLANE, .height = 3.1};
     const sp_place one = {.kind = SP_PLACE_GRAIN, .grain = 2, .shear = true},
@@ -152,8 +147,7 @@ static void test_places(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_pulses(void **state) {
-    (void)state;
+TEST(test_pulses) {
     static const int orders[TIMES] = {1, 0, 2};
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 40;
@@ -171,8 +165,7 @@ static void test_pulses(void **state) {
 }
 
 /* Values and fronts are those of signals. */
-static void test_values(void **state) {
-    (void)state;
+TEST(test_values) {
     sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
     sp_network net = network_of(&p, false);
     sp_signal_options o = sp_signal_options_default();
@@ -213,8 +206,7 @@ static void test_values(void **state) {
 
 /* Several blocks, which the fields reach one after the other, with two threads; the derivatives against differences in
  * the middle and at the walls. */
-static void test_blocks(void **state) {
-    (void)state;
+TEST(test_blocks) {
     sp_packing p = cells_triangular(40, 120, 1e-3, 0.5);
     const sp_place low = {.kind = SP_PLACE_PLANE, .height = 2}, high = {.kind = SP_PLACE_PLANE, .height = 60};
     functional_case c = case_of(200);
@@ -291,8 +283,7 @@ static void compare_fronts(const sp_packing *p, front_case *c) {
     sp_network_free(&net);
 }
 
-static void test_fronts(void **state) {
-    (void)state;
+TEST(test_fronts) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 80;
     spec.width = 5;
@@ -306,8 +297,7 @@ static void test_fronts(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 40;
     spec.width = 5;
@@ -343,8 +333,7 @@ static void test_refusals(void **state) {
 }
 
 /* Every allocation fails once: the reason is told, and nothing is left behind (the checks of memory see that). */
-static void test_memory(void **state) {
-    (void)state;
+TEST(test_memory) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 30;
     spec.width = 5;
@@ -371,11 +360,4 @@ static void test_memory(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_disks),    cmocka_unit_test(test_spheres), cmocka_unit_test(test_prestress),
-        cmocka_unit_test(test_chain),    cmocka_unit_test(test_places),  cmocka_unit_test(test_pulses),
-        cmocka_unit_test(test_values),   cmocka_unit_test(test_blocks),  cmocka_unit_test(test_fronts),
-        cmocka_unit_test(test_refusals), cmocka_unit_test(test_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

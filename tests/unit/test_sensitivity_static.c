@@ -76,8 +76,7 @@ static void compare_modes(const sp_packing *p, bool prestress, mode_case c) {
     sp_network_free(&net);
 }
 
-static void test_modes(void **state) {
-    (void)state;
+TEST(test_modes) {
     sp_packing p = disks(40, 0.5, 1e-4);
     compare_modes(&p, false, (mode_case){14, 1});
     compare_modes(&p, false, (mode_case){40, 2});
@@ -93,8 +92,7 @@ static void test_modes(void **state) {
 }
 
 /* Modes of one frequency: only as a group. Its split matrix has the trace of the mean. */
-static void test_degenerate(void **state) {
-    (void)state;
+TEST(test_degenerate) {
     sp_packing p = cells_triangular(4, 4, 1e-3, 0.5);
     sp_network net = network_of(&p, false);
     sp_modes m = modes_of(&net);
@@ -160,8 +158,7 @@ static void compare_moduli(const sp_packing *p, bool prestress, int count, const
     sp_network_free(&net);
 }
 
-static void test_moduli(void **state) {
-    (void)state;
+TEST(test_moduli) {
     static const sp_modulus plane[] = {SP_MODULUS_C11, SP_MODULUS_C12, SP_MODULUS_C22, SP_MODULUS_C33, SP_MODULUS_CL};
     static const sp_modulus space[] = {SP_MODULUS_C33, SP_MODULUS_C55, SP_MODULUS_C13, SP_MODULUS_CT};
     sp_packing p = disks(40, 0.5, 1e-4);
@@ -216,8 +213,7 @@ static void compare_times(const sp_packing *p, sp_sensitivity_options o) {
     sp_network_free(&net);
 }
 
-static void test_times(void **state) {
-    (void)state;
+TEST(test_times) {
     sp_sensitivity_options o = sp_sensitivity_options_default();
     sp_packing p = disks(40, 0.5, 1e-4);
     compare_times(&p, o);
@@ -237,8 +233,7 @@ static void test_times(void **state) {
 
 /* A packing without friction, compressed a little more and a little less: with the forces at rest the linear response
  * is that of the packing itself. */
-static void test_pressure(void **state) {
-    (void)state;
+TEST(test_pressure) {
     static const double h = 2e-4;
     sp_packing p = disks(60, 0, 1e-3);
     const double one = 1, t = 25;
@@ -284,9 +279,4 @@ static void test_pressure(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_modes), cmocka_unit_test(test_degenerate),
-                                       cmocka_unit_test(test_moduli), cmocka_unit_test(test_times),
-                                       cmocka_unit_test(test_pressure)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -98,8 +98,7 @@ static sp_sheet one(const sp_panel *p) { return (sp_sheet){.title = "test", .row
 
 /* With limits 0 to 1 given, marks at 0.25, 0.5 and 0.75 are evenly spaced, on both kinds of axes, and what lies
  * outside of the limits is not drawn. */
-static void test_points_are_in_place(void **state) {
-    (void)state;
+TEST(test_points_are_in_place) {
     for (int log = 0; log < 2; log++) {
         double x[5] = {.25, .5, .75, 1.5, .5}, y[5] = {.25, .5, .75, .5, -2};
         if (log)
@@ -141,8 +140,7 @@ static void test_points_are_in_place(void **state) {
 }
 
 /* A line that leaves the limits ends at the frame: the ink of one ten times as long is the same. */
-static void test_lines_are_clipped(void **state) {
-    (void)state;
+TEST(test_lines_are_clipped) {
     double x[2] = {0, 1}, y[2] = {.5, .5};
     const sp_curve c = {.n = 2, .x = x, .y = y, .ink = 1};
     const sp_panel p = {.x = {"x", false, 0, 1}, .y = {"y", false, 0, 1}, .curves = 1, .curve = &c};
@@ -157,8 +155,7 @@ static void test_lines_are_clipped(void **state) {
 }
 
 /* Steps of heights 1 and 3 over x = 0, 1, 2: the upper line lies at three times the height of the lower. */
-static void test_steps(void **state) {
-    (void)state;
+TEST(test_steps) {
     const double x[3] = {0, 1, 2}, y[3] = {1, 3, 99};
     const sp_curve c = {.n = 3, .x = x, .y = y, .ink = 2, .steps = true};
     const sp_panel p = {.x = {"x", false, 0, 2}, .y = {"y", false, 0, 4}, .curves = 1, .curve = &c};
@@ -186,8 +183,7 @@ static void test_steps(void **state) {
 }
 
 /* A gap is left open, a hollow mark has less ink than a full one, an error bar more, a band is lighter. */
-static void test_gaps_marks_bars_bands(void **state) {
-    (void)state;
+TEST(test_gaps_marks_bars_bands) {
     double x[5] = {0, 1, 2, 3, 4}, y[5] = {1, 1, 1, 1, 1}, e[5] = {.2, .2, .2, .2, .2};
     const double lower[5] = {.5, .5, .5, .5, .5}, upper[5] = {1.5, 1.5, 1.5, 1.5, 1.5};
     sp_curve c = {.n = 5, .x = x, .y = y, .ink = 3};
@@ -224,8 +220,7 @@ static void test_gaps_marks_bars_bands(void **state) {
 
 /* A curve through all corners of given limits leaves the legend no room within the frame: it goes above, and the
  * whole curve is still seen. An automatic axis makes room by growing. */
-static void test_legend_hides_nothing(void **state) {
-    (void)state;
+TEST(test_legend_hides_nothing) {
     enum { N = 4000 };
     double x[N], y[N];
     for (int k = 0; k < N; k++) {
@@ -260,8 +255,7 @@ static void test_legend_hides_nothing(void **state) {
     }
 }
 
-static void test_texts(void **state) {
-    (void)state;
+TEST(test_texts) {
     const double x[3] = {1, 2, 3}, y[3] = {1e-5, 2e-5, 3e-5};
     const sp_curve c = {.label = "|c|_{tof}", .n = 3, .x = x, .y = y, .ink = 1};
     const sp_panel inset = {.x = {"inner", true, NAN, NAN}, .y = {"depth", true, NAN, NAN}, .curves = 1, .curve = &c};
@@ -300,8 +294,7 @@ static void test_texts(void **state) {
 /* ---- odd and hostile -------------------------------------------------------------------------------------------- */
 
 /* Nothing here may fail, hang, or draw outside of memory. */
-static void test_odd_values(void **state) {
-    (void)state;
+TEST(test_odd_values) {
     static const double odd[][2] = {{1e308, -1e308},   {5e-324, 1e-323}, {1, 1},         {0, 0},
                                     {1e9, 1e9 + 1e-6}, {-3, NAN},        {1e-300, 1e300}};
     for (size_t k = 0; k < sizeof odd / sizeof *odd; k++)
@@ -361,8 +354,7 @@ static void test_odd_values(void **state) {
     cairo_surface_destroy(a.surface);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     const double x[3] = {1, 2, 3}, y[3] = {1, -2, 3}, e[3] = {.1, -.1, .1}, none[3] = {NAN, NAN, NAN};
     const sp_curve good = {.label = "good", .n = 3, .x = x, .y = x};
     const struct {
@@ -421,8 +413,7 @@ static void test_refusals(void **state) {
     assert_fails(sp_plot_sheet(&s, NULL, &err), SP_EINVAL, "");
 }
 
-static void test_memory(void **state) {
-    (void)state;
+TEST(test_memory) {
     const double x[3] = {1, 2, 3};
     const sp_curve c = {.label = "c", .n = 3, .x = x, .y = x};
     const sp_panel inset = {.curves = 1, .curve = &c}, p = {.curves = 1, .curve = &c, .inset = &inset};
@@ -440,15 +431,4 @@ static void test_memory(void **state) {
     assert_true(k > 10);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_points_are_in_place),
-                                       cmocka_unit_test(test_lines_are_clipped),
-                                       cmocka_unit_test(test_steps),
-                                       cmocka_unit_test(test_gaps_marks_bars_bands),
-                                       cmocka_unit_test(test_legend_hides_nothing),
-                                       cmocka_unit_test(test_texts),
-                                       cmocka_unit_test(test_odd_values),
-                                       cmocka_unit_test(test_refusals),
-                                       cmocka_unit_test(test_memory)};
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+RUN_TESTS(setup, teardown)

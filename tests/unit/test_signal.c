@@ -22,8 +22,7 @@ static sp_signal signal_of(const sp_network *net, sp_signal_options o) {
 }
 
 /* The signals that came with the packings: both sources, both methods. Theirs are right to 2.1e-13 of the peak. */
-static void test_reference(void **state) {
-    (void)state;
+TEST(test_reference) {
     enum { MOST = 1000 };
     const char *const packings[] = {REFERENCE("packing_N200_p1e-4.txt"), REFERENCE("packing_N600_p1e-4.txt")};
     const char *const signals[] = {REFERENCE("signal_N200_p1e-4.txt"), REFERENCE("signal_N600_p1e-4.txt")};
@@ -80,8 +79,7 @@ static void check_bound(const char *name, const sp_network *net, double until, i
     free(t);
 }
 
-static void test_error_bound(void **state) {
-    (void)state;
+TEST(test_error_bound) {
     const double spans[] = {1, 7, 30, 150, 1200};
     const struct {
         const char *name;
@@ -107,8 +105,7 @@ static void test_error_bound(void **state) {
 
 /* Before anything can have arrived F is 0 beyond doubt, and afterwards small values are right relative to themselves:
  * no floor of rounding. */
-static void test_early(void **state) {
-    (void)state;
+TEST(test_early) {
     sp_packing p = chain_packing(20, 1e-4);
     sp_network net = network_of(&p, false);
     sp_signal s = signal_of(&net, options_of(SP_SIGNAL_CHEBYSHEV, SP_SOURCE_IMPULSE, 60, 61));
@@ -177,8 +174,7 @@ static void transform(sp_packing *p, int which) {
     sp_packing_sort(p);
 }
 
-static void test_invariance(void **state) {
-    (void)state;
+TEST(test_invariance) {
     sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     sp_signal s = plain_signal(&p);
     const double peak = peak_of(s.n, s.f);
@@ -202,8 +198,7 @@ static void test_invariance(void **state) {
 }
 
 /* A displacement's signal is the derivative of that of the same velocities: with momenta m u, d/dt of sin(wt)/w. */
-static void test_sources(void **state) {
-    (void)state;
+TEST(test_sources) {
     sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     sp_network net = network_of(&p, false);
     double errors[2];
@@ -224,14 +219,12 @@ static void test_sources(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_window(void **state) {
-    (void)state;
+TEST(test_window) {
     assert_relative(sp_signal_window(24, 1e-4), 232.0, 1e-15);
     assert_relative(sp_signal_window(24, 1e-7), 232 * sqrt(10), 1e-14);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = chain_packing(30, 1e-4);
     sp_network net = network_of(&p, false);
     const sp_signal_options good = options_of(SP_SIGNAL_AUTO, SP_SOURCE_IMPULSE, 100, 51);
@@ -277,8 +270,7 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     sp_packing p = chain_packing(10, 1e-4);
     sp_network net = network_of(&p, false);
     for (int method = SP_SIGNAL_CHEBYSHEV; method <= SP_SIGNAL_DENSE; method++) {
@@ -290,8 +282,7 @@ static void test_no_memory(void **state) {
 }
 
 /* Long times on a small network are cheaper by modes; both agree. */
-static void test_auto(void **state) {
-    (void)state;
+TEST(test_auto) {
     sp_packing p = chain_packing(5, 1e-4);
     sp_network net = network_of(&p, false);
     sp_signal a = signal_of(&net, options_of(SP_SIGNAL_AUTO, SP_SOURCE_IMPULSE, 20000, 301));
@@ -305,10 +296,4 @@ static void test_auto(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reference),  cmocka_unit_test(test_error_bound), cmocka_unit_test(test_early),
-        cmocka_unit_test(test_invariance), cmocka_unit_test(test_sources),     cmocka_unit_test(test_window),
-        cmocka_unit_test(test_refusals),   cmocka_unit_test(test_no_memory),   cmocka_unit_test(test_auto)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -46,8 +46,7 @@ static void *look(void *unused) {
     return NULL;
 }
 
-static void orderings_leave_handlers_alone(void **state) {
-    (void)state;
+TEST(orderings_leave_handlers_alone) {
     sp_sparse a = cube(40);
     sp_supernodes s;
     pthread_t thread;
@@ -65,8 +64,7 @@ static void orderings_leave_handlers_alone(void **state) {
     free(a.x);
 }
 
-static void drafts_are_abandoned(void **state) {
-    (void)state;
+TEST(drafts_are_abandoned) {
     char folder[] = "/tmp/sonopack-drafts-XXXXXX", path[2][SP_PATH_MAX];
     sp_draft d[3];
     assert_non_null(mkdtemp(folder));
@@ -91,8 +89,7 @@ static bool refuse(const sp_pack_progress *progress, void *user) {
     return false;
 }
 
-static void placing_can_be_stopped(void **state) {
-    (void)state;
+TEST(placing_can_be_stopped) {
     sp_pack_spec spec = sp_pack_spec_default();
     sp_packing p = sp_packing_none();
     sp_error err = {0};
@@ -103,9 +100,4 @@ static void placing_can_be_stopped(void **state) {
     assert_int_equal(steps, 0); /* before the grains have moved */
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(orderings_leave_handlers_alone),
-                                       cmocka_unit_test(drafts_are_abandoned),
-                                       cmocka_unit_test(placing_can_be_stopped)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -39,8 +39,7 @@ static double part_below(const sp_pack_spec *s, double d) {
 }
 
 /* Kolmogorov and Smirnov: the largest distance of the two distributions is above 1.95/sqrt(N) once in a thousand. */
-static void drawn_as_the_law_says(void **state) {
-    (void)state;
+TEST(drawn_as_the_law_says) {
     const int32_t n = 40000;
     sp_pack_spec specs[] = {law(SP_SIZES_UNIFORM, 0, 0, n), law(SP_SIZES_UNIFORM, 0.1, 2, n),
                             law(SP_SIZES_LOGNORMAL, 0, 0, n), law(SP_SIZES_LOGNORMAL, 1.2, 3, n),
@@ -70,8 +69,7 @@ static double moment_by_sum(const sp_pack_spec *s, int k) {
     return sum / norm;
 }
 
-static void moments_are_those_of_the_law(void **state) {
-    (void)state;
+TEST(moments_are_those_of_the_law) {
     const int32_t n = 20000;
     sp_pack_spec specs[] = {law(SP_SIZES_UNIFORM, 0.3, 1.7, n), law(SP_SIZES_LOGNORMAL, 0, 0, n),
                             law(SP_SIZES_LOGNORMAL, 1.1, 2, n), law(SP_SIZES_LOGNORMAL, 0.4, 0.95, n)};
@@ -97,8 +95,7 @@ static void moments_are_those_of_the_law(void **state) {
     assert_relative(specs[1].diameter_max, exp(-0.02 + 0.6), 1e-15);
 }
 
-static void of_two_sizes_the_number_is_exact(void **state) {
-    (void)state;
+TEST(of_two_sizes_the_number_is_exact) {
     const double fractions[] = {0, 0.1, 0.5, 0.777, 1};
     for (int k = 0; k < 5; k++) {
         sp_pack_spec s = law(SP_SIZES_BIDISPERSE, 0.7, 1.4, 1001);
@@ -118,8 +115,7 @@ static void of_two_sizes_the_number_is_exact(void **state) {
     }
 }
 
-static void a_list_is_taken_in_order(void **state) {
-    (void)state;
+TEST(a_list_is_taken_in_order) {
     const double list[] = {0.9, 1.3, 0.8, 1, 5};
     sp_pack_spec s = sp_pack_spec_default();
     s.sizes = SP_SIZES_LIST;
@@ -139,8 +135,7 @@ static void a_list_is_taken_in_order(void **state) {
 }
 
 /* The same on every machine: no bit comes from its mathematical library. */
-static void drawn_alike_everywhere(void **state) {
-    (void)state;
+TEST(drawn_alike_everywhere) {
     sp_pack_spec s = law(SP_SIZES_LOGNORMAL, 0, 0, 1000);
     double *r = draw(&s);
     char hash[SP_NAME_MAX];
@@ -199,8 +194,7 @@ static void check_gas(sp_pack_spec s) {
     sp_free(r);
 }
 
-static void grains_of_a_gas_do_not_overlap(void **state) {
-    (void)state;
+TEST(grains_of_a_gas_do_not_overlap) {
     for (int dim = 2; dim <= 3; dim++) {
         const double dense = dim == 2 ? 0.45 : 0.3;
         sp_pack_spec s = sp_pack_spec_default();
@@ -237,8 +231,7 @@ static void grains_of_a_gas_do_not_overlap(void **state) {
 
 /* In a gas of one size class grains are placed as they are numbered, and anywhere alike: the mean height is the middle,
  * to four standard errors of a uniform law (walls keep them away symmetrically). */
-static void a_gas_is_even(void **state) {
-    (void)state;
+TEST(a_gas_is_even) {
     sp_pack_spec s = sp_pack_spec_default();
     s.grains = 20000;
     s.width = 100;
@@ -261,8 +254,7 @@ static void a_gas_is_even(void **state) {
     sp_free(r);
 }
 
-static void no_room_is_an_error(void **state) {
-    (void)state;
+TEST(no_room_is_an_error) {
     sp_pack_spec s = sp_pack_spec_default();
     s.diameter_min = s.diameter_max = 1;
     s.width = 10;
@@ -285,8 +277,7 @@ static void no_room_is_an_error(void **state) {
     sp_free(r);
 }
 
-static void a_lattice_starts_apart(void **state) {
-    (void)state;
+TEST(a_lattice_starts_apart) {
     sp_pack_spec s = sp_pack_spec_default();
     s.kind = SP_PACK_TRIANGULAR;
     s.grains = 24 * 11;
@@ -321,17 +312,4 @@ static void a_lattice_starts_apart(void **state) {
     sp_free(r);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(drawn_as_the_law_says),
-        cmocka_unit_test(moments_are_those_of_the_law),
-        cmocka_unit_test(of_two_sizes_the_number_is_exact),
-        cmocka_unit_test(a_list_is_taken_in_order),
-        cmocka_unit_test(drawn_alike_everywhere),
-        cmocka_unit_test(grains_of_a_gas_do_not_overlap),
-        cmocka_unit_test(a_gas_is_even),
-        cmocka_unit_test(no_room_is_an_error),
-        cmocka_unit_test(a_lattice_starts_apart),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -247,19 +247,12 @@ static void check_parts(sp_modes_solver by) {
     }
 }
 
-static void test_parts(void **state) {
-    (void)state;
-    check_parts(SP_SOLVER_AUTO);
-}
+TEST(test_parts) { check_parts(SP_SOLVER_AUTO); }
 
-static void test_parts_by_arpack(void **state) {
-    (void)state;
-    check_parts(SP_SOLVER_ARPACK);
-}
+TEST(test_parts_by_arpack) { check_parts(SP_SOLVER_ARPACK); }
 
 /* A limit that is a mode's own frequency: the mode is in, and told of. */
-static void test_on_the_edge(void **state) {
-    (void)state;
+TEST(test_on_the_edge) {
     sp_network net = shape(5);
     sp_modes all = dense_of(&net), m = sp_modes_none();
     const sp_modes_options o = {.vectors = true};
@@ -275,8 +268,7 @@ static void test_on_the_edge(void **state) {
 }
 
 /* Amplitudes do not depend on the solver: a b of a mode that stands alone. */
-static void test_amplitudes(void **state) {
-    (void)state;
+TEST(test_amplitudes) {
     sp_network net = shape(5);
     sp_modes all = dense_of(&net), m = sp_modes_none();
     const sp_modes_options o = {.vectors = true};
@@ -292,8 +284,7 @@ static void test_amplitudes(void **state) {
     sp_network_free(&net);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_network net = shape(5);
     const sp_modes_options o = sp_modes_options_default();
     sp_modes m = sp_modes_none();
@@ -327,8 +318,7 @@ static void test_refusals(void **state) {
     sp_network_free(&net);
 }
 
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     sp_network net = shape(0);
     const sp_modes_range ranges[] = {sp_modes_range_lowest(3), sp_modes_range_band(0.2, 0.21)};
     for (int q = 0; q < 2; q++)
@@ -352,8 +342,7 @@ static void test_no_memory(void **state) {
 
 /* All frequencies of a chain, in pieces: omega_n = omega_max sin(n pi/(2(N+1))), bit for bit the same with any
  * number of threads. */
-static void test_pieces(void **state) {
-    (void)state;
+TEST(test_pieces) {
     enum { N = 1300 };
     const double pi = 3.14159265358979323846;
     sp_network net = network_of(chain_packing(N, 1e-4), false);
@@ -390,10 +379,4 @@ static void test_pieces(void **state) {
     sp_network_free(&net);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_parts),       cmocka_unit_test(test_parts_by_arpack),
-                                       cmocka_unit_test(test_on_the_edge), cmocka_unit_test(test_amplitudes),
-                                       cmocka_unit_test(test_refusals),    cmocka_unit_test(test_no_memory),
-                                       cmocka_unit_test(test_pieces)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

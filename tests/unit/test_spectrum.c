@@ -17,8 +17,7 @@ static double chain_frequency(const sp_network *net, int n) {
 }
 
 /* Histogram, cumulative count and normalisation of the exact density of states of a chain. */
-static void test_exact_chain(void **state) {
-    (void)state;
+TEST(test_exact_chain) {
     enum { GRAINS = 50 };
     sp_packing p = chain_packing(GRAINS, 1e-4);
     sp_network net = default_network(&p);
@@ -50,8 +49,7 @@ static void test_exact_chain(void **state) {
 
 /* From the bound of the spectrum on there is nothing, with every method: there the density per phi, which is not 0, is
  * divided by a slope that has vanished. */
-static void test_above_spectrum(void **state) {
-    (void)state;
+TEST(test_above_spectrum) {
     sp_packing p = scattered_packing(2, 5, 0.5, 2);
     sp_network net = default_network(&p);
     sp_dos_options o = sp_dos_options_default();
@@ -73,8 +71,7 @@ static void test_above_spectrum(void **state) {
 /* The stochastic trace agrees with the exact density, smoothed by the same kernel, within its errors: of many
  * deviations over their errors the mean square is near 1. Signs of one vector are shared by all frequencies, so that
  * values of neighbours move together; those here are several widths of the kernel apart. */
-static void test_kpm(void **state) {
-    (void)state;
+TEST(test_kpm) {
     sp_packing p = scattered_packing(2, 8, 0.5, 1);
     sp_network net = default_network(&p);
     sp_dos_options o = sp_dos_options_default();
@@ -116,8 +113,7 @@ static void test_kpm(void **state) {
 
 /* Counting by inertia gives the histogram of all frequencies, and the zero modes: a packing without friction slides
  * along its walls. */
-static void test_count(void **state) {
-    (void)state;
+TEST(test_of_count) {
     for (int q = 0; q < 4; q++) {
         sp_packing p = scattered_packing(q < 2 ? 2 : 3, q < 2 ? 6 : 3, q % 2 ? 0.5 : 0, 5);
         sp_network net = default_network(&p);
@@ -156,8 +152,7 @@ static double complex line(double omega_max, int moments, bool velocity, double 
 }
 
 /* Against the sum over all modes, for every source, within the error that is reported. */
-static void test_transmission(void **state) {
-    (void)state;
+TEST(test_transmission) {
     sp_packing all[] = {chain_packing(20, 1e-4), scattered_packing(2, 5, 0.5, 1), scattered_packing(3, 3, 0.3, 2)};
     for (int q = 0; q < 3; q++) {
         sp_network net = default_network(&all[q]);
@@ -199,8 +194,7 @@ static void test_transmission(void **state) {
 
 /* The density is that of the signal: the integral of g sin(omega t) is F(t), but for the kernel, which multiplies it by
  * about exp(-(resolution t)^2/2). */
-static void test_transmission_is_signal(void **state) {
-    (void)state;
+TEST(test_transmission_is_signal) {
     enum { POINTS = 11 };
     sp_packing p = chain_packing(12, 1e-4);
     sp_network net = default_network(&p);
@@ -230,8 +224,7 @@ static void test_transmission_is_signal(void **state) {
 }
 
 /* Standing waves are the eigenmodes of a chain. */
-static void test_dispersion_chain(void **state) {
-    (void)state;
+TEST(test_dispersion_chain) {
     sp_packing p = chain_packing(60, 1e-4);
     sp_network net = default_network(&p);
     sp_dispersion_options o = sp_dispersion_options_default();
@@ -264,8 +257,7 @@ static void test_dispersion_chain(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_participation(void **state) {
-    (void)state;
+TEST(test_participation) {
     sp_packing p = chain_packing(30, 1e-4);
     sp_network net = default_network(&p);
     const sp_modes_options o = sp_modes_options_default();
@@ -289,8 +281,7 @@ static void test_participation(void **state) {
 }
 
 /* One ball between two springs and dashpots: F = k (k + i omega c)/(2 k - omega^2 m + 2 i omega c). */
-static void test_harmonic_ball(void **state) {
-    (void)state;
+TEST(test_harmonic_ball) {
     sp_packing p = chain_packing(1, 1e-4);
     sp_network net = default_network(&p);
     const double k = net.springs[0].kn, m = net.mass[0], own = sqrt(2 * k / m);
@@ -406,8 +397,7 @@ static void check_harmonic(const sp_network *net, double zeta, double omega) {
     free(a);
 }
 
-static void test_harmonic_bound(void **state) {
-    (void)state;
+TEST(test_harmonic_bound) {
     sp_packing all[] = {chain_packing(9, 1e-4), scattered_packing(2, 4, 0.5, 1), scattered_packing(3, 2, 0.5, 3),
                         scattered_packing(2, 4, 0, 2)};
     for (int q = 0; q < 4; q++) {
@@ -428,8 +418,7 @@ static void test_harmonic_bound(void **state) {
 
 /* Waves in a chain whose dashpots are those of its inside: 2 (K + i omega c)(1 - cos q) = m omega^2. The fit finds q
  * between the reflecting walls. */
-static void test_attenuation(void **state) {
-    (void)state;
+TEST(test_attenuation) {
     enum { GRAINS = 60, FREQUENCIES = 7 };
     sp_packing p = chain_packing(GRAINS, 1e-4);
     sp_network net = default_network(&p);
@@ -460,8 +449,7 @@ static void test_attenuation(void **state) {
 }
 
 /* Every allocation that fails is told, and nothing leaks (under the sanitizers). */
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     sp_packing p = scattered_packing(2, 3, 0.5, 1);
     sp_network net = default_network(&p);
     const double omega = 0.3;
@@ -507,8 +495,7 @@ static void test_no_memory(void **state) {
 }
 
 /* A negative omega^2 is told by every method. */
-static void test_unstable(void **state) {
-    (void)state;
+TEST(test_unstable) {
     sp_packing p = scattered_packing(2, 4, 0.5, 1);
     sp_network net = default_network(&p);
     net.prestress = true;
@@ -531,8 +518,7 @@ static void test_unstable(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = scattered_packing(2, 3, 0.5, 1);
     sp_network net = default_network(&p);
     const double bad[] = {NAN, INFINITY, -1};
@@ -571,22 +557,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_exact_chain),
-        cmocka_unit_test(test_above_spectrum),
-        cmocka_unit_test(test_kpm),
-        cmocka_unit_test(test_count),
-        cmocka_unit_test(test_transmission),
-        cmocka_unit_test(test_transmission_is_signal),
-        cmocka_unit_test(test_dispersion_chain),
-        cmocka_unit_test(test_participation),
-        cmocka_unit_test(test_harmonic_ball),
-        cmocka_unit_test(test_harmonic_bound),
-        cmocka_unit_test(test_attenuation),
-        cmocka_unit_test(test_no_memory),
-        cmocka_unit_test(test_unstable),
-        cmocka_unit_test(test_refusals),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -27,8 +27,7 @@ static sp_sparse dense_of(int64_t n, const double *a) {
 
 /* Q^-1 B Q with B of known eigenvalues: real ones, and pairs, near each other and far. Q = 1 + a strictly triangular
  * matrix of integers, and so is its inverse: the product is exact. */
-static void test_discs(void **state) {
-    (void)state;
+TEST(test_discs) {
     enum { N = 12 };
     double b[N][N] = {{0}}, q[N][N] = {{0}}, inverse[N][N] = {{0}}, half[N][N] = {{0}}, a[N * N] = {0};
     double re[N], im[N];
@@ -112,8 +111,7 @@ static void count_plainly(const sp_network *net, double margin, int64_t *negativ
 }
 
 /* Springs in general position under tangential forces of any size: from stable to flutter and divergence. */
-static void test_verdicts(void **state) {
-    (void)state;
+TEST(test_verdicts) {
     int64_t seen[3] = {0}, flutter = 0;
     for (int q = 0; q < 12; q++) {
         const double share = (const double[]){0.05, 2, 8}[q % 3];
@@ -146,8 +144,7 @@ static void test_verdicts(void **state) {
 
 /* A packing in three dimensions: stable, its spheres with two contacts spin freely; by counts of the symmetric springs
  * too, whose softest eigenvalue is that of the table of modes. */
-static void test_packed(void **state) {
-    (void)state;
+TEST(test_packed) {
     sp_pack_spec spec = sp_pack_spec_default();
     sp_packing p = sp_packing_none();
     spec.dim = 3;
@@ -182,8 +179,7 @@ static void test_packed(void **state) {
 
 /* Nothing but prestress acts sideways: it diverges, as counts of a symmetric matrix tell; the growth is known to 10%.
  */
-static void test_counts(void **state) {
-    (void)state;
+TEST(test_counts) {
     sp_packing p = scattered_packing(2, 6, 0, 1);
     for (int c = 0; c < p.n_contacts; c++)
         p.pressure = 1;
@@ -207,8 +203,7 @@ static void test_counts(void **state) {
 
 /* Contacts left out that carry a good part of the force: the forces of the others do not balance, and motions that grow
  * by no more than that explains leave it undecided, counted as they are. None but a few spins are taken for zero. */
-static void test_unbalanced(void **state) {
-    (void)state;
+TEST(test_unbalanced) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_pack_spec spec = dim == 2 ? sp_pack_spec_default() : spheres(100, 4.8, 0.5, 21);
         spec.protocol = SP_PROTOCOL_QUICK;
@@ -244,8 +239,7 @@ static void test_unbalanced(void **state) {
 /* A column of disks, upright, which buckles. With a tangential force at one contact that nothing balances it is plainly
  * unstable while that force is little, and undecided once it might do as much; the springs grow alike, and their stiff
  * motions are never taken for zero. */
-static void test_column(void **state) {
-    (void)state;
+TEST(test_column) {
     enum { N = 20 };
     sp_packing chain = chain_packing(N, 0.002), p = sp_packing_none();
     assert_ok(sp_packing_alloc(&p, 2, N, N + 1, &err));
@@ -283,9 +277,4 @@ static void test_column(void **state) {
     sp_packing_free(&chain);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_discs),      cmocka_unit_test(test_verdicts),
-                                       cmocka_unit_test(test_packed),     cmocka_unit_test(test_counts),
-                                       cmocka_unit_test(test_unbalanced), cmocka_unit_test(test_column)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

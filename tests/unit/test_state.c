@@ -93,8 +93,7 @@ static sp_pack_spec small(int dim) {
     return s;
 }
 
-static void every_start_goes_on(void **state) {
-    (void)state;
+TEST(every_start_goes_on) {
     static const double history[] = {1e-5, 3e-4};
     for (int dim = 2; dim <= 3; dim++) {
         sp_pack_spec s = small(dim);
@@ -147,8 +146,7 @@ static void every_start_goes_on(void **state) {
     assert_resumes("lattice", &s, NULL);
 }
 
-static void what_is_no_state(void **state) {
-    (void)state;
+TEST(what_is_no_state) {
     sp_pack_spec s = small(2), other = small(2);
     album a = {.stop_after = 0};
     sp_packing p = sp_packing_none();
@@ -202,8 +200,7 @@ static bool soon(const sp_pack_progress *progress, void *user) {
 }
 
 /* Bytes with a right checksum may still hold anything: any status, no crash. */
-static void no_bytes_crash_it(void **state) {
-    (void)state;
+TEST(no_bytes_crash_it) {
     sp_pack_spec s = small(2);
     album a = {.stop_after = 0};
     sp_packing p = sp_packing_none();
@@ -236,11 +233,4 @@ static void no_bytes_crash_it(void **state) {
     sp_free(a.state);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_start_goes_on),
-        cmocka_unit_test(what_is_no_state),
-        cmocka_unit_test(no_bytes_crash_it),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

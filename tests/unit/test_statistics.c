@@ -11,8 +11,7 @@ static double gauss(sp_random *r) {
     return radius * cos(6.283185307179586 * sp_random_uniform(r));
 }
 
-static void moments_by_hand(void **state) {
-    (void)state;
+TEST(moments_by_hand) {
     const double x[] = {1, 2, 3, 6};
     assert_close(sp_mean(4, x), 3, 1e-15);
     assert_close(sp_sd(4, x), sqrt(14.0 / 3), 1e-15);
@@ -23,8 +22,7 @@ static void moments_by_hand(void **state) {
     assert_true(isnan(sp_mean(3, bad)) && isnan(sp_sd(3, bad)));
 }
 
-static void spread_beside_a_large_offset(void **state) {
-    (void)state;
+TEST(spread_beside_a_large_offset) {
     const double x[] = {1e8 + 1, 1e8 + 2, 1e8 + 3};
     assert_close(sp_sd(3, x), 1, 1e-8); /* numbers near 1e8 are known to 1.5e-8 */
 }
@@ -38,8 +36,7 @@ static double mean_statistic(const int64_t *size, const int64_t *const *pick, vo
 }
 
 /* The bootstrap error of a mean is the standard error, up to 1/sqrt(2 resamples), for few samples too. */
-static void bootstrap_of_a_mean(void **state) {
-    (void)state;
+TEST(bootstrap_of_a_mean) {
     double x[50];
     sp_random r = sp_random_make(4, 99);
     for (int k = 0; k < 50; k++)
@@ -78,8 +75,7 @@ static double difference(const int64_t *size, const int64_t *const *pick, void *
     return w->ruined && ++w->calls % w->ruined == 0 ? NAN : sum;
 }
 
-static void groups_are_drawn_by_themselves(void **state) {
-    (void)state;
+TEST(groups_are_drawn_by_themselves) {
     double a[30], b[20];
     sp_random r = sp_random_make(5, 99);
     for (int k = 0; k < 30; k++)
@@ -120,8 +116,7 @@ static void several_means(const int64_t *size, const int64_t *const *pick, doubl
 }
 
 /* Each error is that of the statistic by itself; all see the same resamples. */
-static void many_statistics_of_one_bootstrap(void **state) {
-    (void)state;
+TEST(many_statistics_of_one_bootstrap) {
     double x[] = {1, 2, 3, 4, 5, 6}, error[5];
     const int64_t size[3] = {6, 4, 1};
     const sp_bootstrap_options o = sp_bootstrap_options_default();
@@ -143,8 +138,7 @@ static void many_statistics_of_one_bootstrap(void **state) {
     }
 }
 
-static void bootstrap_refuses(void **state) {
-    (void)state;
+TEST(bootstrap_refuses) {
     double x[5] = {1, 2, 3, 4, 5}, error = 7;
     const int64_t size[] = {5, 5, 5, 5, 5};
     sp_bootstrap_options o = sp_bootstrap_options_default();
@@ -160,8 +154,7 @@ static void bootstrap_refuses(void **state) {
     assert_true(error == 7);
 }
 
-static void line_by_hand(void **state) {
-    (void)state;
+TEST(line_by_hand) {
     const double x[] = {0, 1, 2}, y[] = {1, 3, 5}, e[] = {0.5, 0.5, 0.5};
     sp_line line;
     assert_ok(sp_fit_line(3, x, y, e, &line, &err));
@@ -182,8 +175,7 @@ static void line_by_hand(void **state) {
 }
 
 /* The errors of the fit are the spread of fits to data with these errors, and chi^2 has mean n - 2. */
-static void line_errors_are_true(void **state) {
-    (void)state;
+TEST(line_errors_are_true) {
     enum { POINTS = 6, TRIALS = 4000 };
     const double x[POINTS] = {-3, -1, 0, 2, 5, 9}, e[POINTS] = {0.1, 0.3, 0.2, 1, 0.5, 0.2};
     static double slope[TRIALS], intercept[TRIALS], chi2[TRIALS];
@@ -207,8 +199,7 @@ static void line_errors_are_true(void **state) {
     assert_close(sp_mean(TRIALS, chi2), POINTS - 2, 4 * sqrt(2.0 * (POINTS - 2) / TRIALS));
 }
 
-static void line_far_away_and_in_small_units(void **state) {
-    (void)state;
+TEST(line_far_away_and_in_small_units) {
     const double x[] = {1e9, 1e9 + 1, 1e9 + 2, 1e9 + 3}, y[] = {1e-200, 3e-200, 5e-200, 7e-200},
                  e[] = {1e-201, 1e-201, 1e-201, 1e-201};
     sp_line line;
@@ -217,8 +208,7 @@ static void line_far_away_and_in_small_units(void **state) {
     assert_relative(line.slope_err, 1e-201 / sqrt(5), 1e-12);
 }
 
-static void line_refuses(void **state) {
-    (void)state;
+TEST(line_refuses) {
     const double x[] = {1, 1, 1}, y[] = {1, 2, 3}, up[] = {1, 2, 3}, bad[] = {1, NAN, 3}, zero[] = {1, 0, 1};
     sp_line line = {.slope = 7};
     assert_fails(sp_fit_line(1, up, y, NULL, &line, &err), SP_EINVAL, "1 points");
@@ -229,8 +219,7 @@ static void line_refuses(void **state) {
     assert_true(line.slope == 7);
 }
 
-static void power_law(void **state) {
-    (void)state;
+TEST(power_law) {
     const double p[] = {1e-7, 1e-6, 1e-5, 1e-4};
     double c[4], e[4], exponent, error, prefactor;
     for (int k = 0; k < 4; k++) {
@@ -261,19 +250,4 @@ static void power_law(void **state) {
     sp_alloc_fail_after(-1);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(moments_by_hand),
-        cmocka_unit_test(spread_beside_a_large_offset),
-        cmocka_unit_test(bootstrap_of_a_mean),
-        cmocka_unit_test(groups_are_drawn_by_themselves),
-        cmocka_unit_test(many_statistics_of_one_bootstrap),
-        cmocka_unit_test(bootstrap_refuses),
-        cmocka_unit_test(line_by_hand),
-        cmocka_unit_test(line_errors_are_true),
-        cmocka_unit_test(line_far_away_and_in_small_units),
-        cmocka_unit_test(line_refuses),
-        cmocka_unit_test(power_law),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -46,8 +46,7 @@ static void check_bound(const char *name, const sp_network *net, double until, d
     }
 }
 
-static void test_error_bound(void **state) {
-    (void)state;
+TEST(test_error_bound) {
     const struct {
         const char *name;
         sp_packing p;
@@ -69,8 +68,7 @@ static void test_error_bound(void **state) {
 }
 
 /* Rounding: ten thousands of steps, where the scheme itself is right to a few 1e-13. */
-static void test_rounding(void **state) {
-    (void)state;
+TEST(test_rounding) {
     sp_packing p = chain_packing(6, 1e-4);
     sp_network net = network_of(&p, false);
     double exact[POINTS];
@@ -90,8 +88,7 @@ static void test_rounding(void **state) {
 }
 
 /* Errors fall as the second and the fourth power of the step. */
-static void test_order(void **state) {
-    (void)state;
+TEST(test_order) {
     sp_packing p = scattered_packing(2, 5, 0.5, 7);
     sp_network net = network_of(&p, false);
     for (int source = 0; source < 3; source += 2) {
@@ -118,8 +115,7 @@ static void test_order(void **state) {
 }
 
 /* Many sources and one detector are followed from the detector's end; the signals are those of Chebyshev. */
-static void test_places(void **state) {
-    (void)state;
+TEST(test_places) {
     sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     sp_network net = network_of(&p, false);
     const sp_place from[] = {
@@ -146,8 +142,7 @@ static void test_places(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = chain_packing(10, 1e-4);
     sp_network net = network_of(&p, false);
     sp_signal s = sp_signal_none();
@@ -175,8 +170,7 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_memory(void **state) {
-    (void)state;
+TEST(test_memory) {
     sp_packing p = chain_packing(10, 1e-4);
     sp_network net = network_of(&p, false);
     const sp_signal_options o = options_of(SP_SIGNAL_VERLET, SP_SOURCE_IMPULSE, 10, 1e-3);
@@ -185,9 +179,4 @@ static void test_memory(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_error_bound), cmocka_unit_test(test_rounding),
-                                       cmocka_unit_test(test_order),       cmocka_unit_test(test_places),
-                                       cmocka_unit_test(test_refusals),    cmocka_unit_test(test_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

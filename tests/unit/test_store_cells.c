@@ -142,11 +142,11 @@ static void wrong_tables_have_reasons(void **state) {
 }
 
 int main(void) {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
     const struct CMUnitTest tests[] = {
-        TEST(hdf5_keeps_every_bit),       TEST(text_keeps_every_bit),     TEST(tables_keep_every_bit),
-        TEST(grains_outside_are_wrapped), TEST(wrong_texts_have_reasons), TEST(tables_name_walls),
-        TEST(wrong_tables_have_reasons),
+        BETWEEN(hdf5_keeps_every_bit),       BETWEEN(text_keeps_every_bit),     BETWEEN(tables_keep_every_bit),
+        BETWEEN(grains_outside_are_wrapped), BETWEEN(wrong_texts_have_reasons), BETWEEN(tables_name_walls),
+        BETWEEN(wrong_tables_have_reasons),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -166,10 +166,11 @@ static void stale_temporaries(void **state) {
 }
 
 int main(void) {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
     const struct CMUnitTest tests[] = {
-        TEST(writes_and_replaces), TEST(links_stay_links), TEST(devices_stay_devices), TEST(places_that_are_none),
-        TEST(file_size_limit),     TEST(full_disk),        TEST(read_only_folder),     TEST(stale_temporaries),
+        BETWEEN(writes_and_replaces),  BETWEEN(links_stay_links),  BETWEEN(devices_stay_devices),
+        BETWEEN(places_that_are_none), BETWEEN(file_size_limit),   BETWEEN(full_disk),
+        BETWEEN(read_only_folder),     BETWEEN(stale_temporaries),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -454,26 +454,26 @@ static void wrong_packings_are_not_saved(void **state) {
 }
 
 int main(void) {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
     const struct CMUnitTest tests[] = {
-        TEST(hdf5_keeps_every_bit),
-        TEST(hdf5_keeps_large_packings),
-        TEST(equal_packings_are_equal_files),
-        TEST(text_keeps_every_bit),
-        TEST(tables_keep_every_bit),
-        TEST(tangential_scalar_survives),
-        TEST(reference_packing_reads),
-        TEST(reversed_contacts_turn_round),
-        TEST(positions_are_wrapped),
-        TEST(wrong_texts_have_reasons),
-        TEST(every_truncated_text_fails),
-        TEST(missing_files_are_io),
-        TEST(tables_read),
-        TEST(hertz_fills_what_is_missing),
-        TEST(tables_in_one_and_three_dimensions),
-        TEST(wrong_tables_have_reasons),
-        TEST(lack_of_memory_is_an_error),
-        TEST(wrong_packings_are_not_saved),
+        BETWEEN(hdf5_keeps_every_bit),
+        BETWEEN(hdf5_keeps_large_packings),
+        BETWEEN(equal_packings_are_equal_files),
+        BETWEEN(text_keeps_every_bit),
+        BETWEEN(tables_keep_every_bit),
+        BETWEEN(tangential_scalar_survives),
+        BETWEEN(reference_packing_reads),
+        BETWEEN(reversed_contacts_turn_round),
+        BETWEEN(positions_are_wrapped),
+        BETWEEN(wrong_texts_have_reasons),
+        BETWEEN(every_truncated_text_fails),
+        BETWEEN(missing_files_are_io),
+        BETWEEN(tables_read),
+        BETWEEN(hertz_fills_what_is_missing),
+        BETWEEN(tables_in_one_and_three_dimensions),
+        BETWEEN(wrong_tables_have_reasons),
+        BETWEEN(lack_of_memory_is_an_error),
+        BETWEEN(wrong_packings_are_not_saved),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

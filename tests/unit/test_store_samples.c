@@ -457,12 +457,12 @@ static void lack_of_memory(void **state) {
 }
 
 int main(void) {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
     const struct CMUnitTest tests[] = {
-        TEST(saves_and_loads),   TEST(newer_parts_are_kept),         TEST(frequencies_stay),
-        TEST(failures_are_kept), TEST(samples_skip_what_is_damaged), TEST(wrong_saves),
-        TEST(opening),           TEST(processes_save_together),      TEST(threads_save_together),
-        TEST(lack_of_memory),
+        BETWEEN(saves_and_loads),   BETWEEN(newer_parts_are_kept),         BETWEEN(frequencies_stay),
+        BETWEEN(failures_are_kept), BETWEEN(samples_skip_what_is_damaged), BETWEEN(wrong_saves),
+        BETWEEN(opening),           BETWEEN(processes_save_together),      BETWEEN(threads_save_together),
+        BETWEEN(lack_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -295,11 +295,11 @@ static void metadata_of_lines(void **state) {
 }
 
 int main(void) {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
     const struct CMUnitTest tests[] = {
-        TEST(texts),        TEST(tsv_round_trip),    TEST(lenient_reading),   TEST(reference_signal_reads),
-        TEST(refusals),     TEST(noise_is_survived), TEST(lack_of_memory),    TEST(decimal_comma),
-        TEST(many_columns), TEST(metadata),          TEST(metadata_of_lines),
+        BETWEEN(texts),        BETWEEN(tsv_round_trip),    BETWEEN(lenient_reading),   BETWEEN(reference_signal_reads),
+        BETWEEN(refusals),     BETWEEN(noise_is_survived), BETWEEN(lack_of_memory),    BETWEEN(decimal_comma),
+        BETWEEN(many_columns), BETWEEN(metadata),          BETWEEN(metadata_of_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

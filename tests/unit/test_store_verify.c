@@ -69,12 +69,14 @@ static void verdicts(void **state) {
     assert_ok(sink.save(sink.user, NULL, &sample, &arbitrary, NULL, &err));
     n = verify(store, 1, (const char(*)[SP_NAME_MAX])name);
     assert_true(n.faulty == 1 && n.aside == 0);
-    assert_true(test_names(n.last, "20"));
+    assert_true(test_names(n.last, "dim 1 2"));
+    const double force = chain.contacts[0].fn;
     chain.contacts[0].fn *= 1 + 1e-6;
     assert_ok(sink.save(sink.user, NULL, &sample, &chain, NULL, &err));
     n = verify(store, 1, (const char(*)[SP_NAME_MAX])name);
     assert_true(n.faulty == 1 && n.aside == 0);
     assert_true(*n.last);
+    chain.contacts[0].fn = force;
     sample.front.t10 = NAN;
     assert_ok(sink.save(sink.user, NULL, &sample, &chain, NULL, &err));
     n = verify(store, 1, (const char(*)[SP_NAME_MAX])name);
@@ -153,11 +155,11 @@ static void stopping_and_lack_of_memory(void **state) {
 }
 
 int main(void) {
-#define TEST(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
+#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
     const struct CMUnitTest tests[] = {
-        TEST(verdicts),
-        TEST(records_and_retries),
-        TEST(stopping_and_lack_of_memory),
+        BETWEEN(verdicts),
+        BETWEEN(records_and_retries),
+        BETWEEN(stopping_and_lack_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -47,8 +47,7 @@ static void assert_first_power(const sp_packing *p, bool turning, double strain)
     sp_network_free(&net);
 }
 
-static void test_straight(void **state) {
-    (void)state;
+TEST(test_straight) {
     sp_packing one = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     one.friction = 1e9; /* no contact slides */
     assert_first_power(&one, false, 1e-6);
@@ -71,8 +70,7 @@ static void test_straight(void **state) {
 }
 
 /* Without friction the springs with prestress are all there is to first order, the turning of the normals included. */
-static void test_turning(void **state) {
-    (void)state;
+TEST(test_turning) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 100;
     spec.width = 9;
@@ -95,8 +93,7 @@ static void test_turning(void **state) {
 
 /* With friction too, tangential forces that turn with their contacts included. Larger strains make contacts slide, and
  * the packing softer to shear. */
-static void test_sliding(void **state) {
-    (void)state;
+TEST(test_sliding) {
     sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
     sp_network net = network_of(&p, true);
     sp_moduli m;
@@ -113,8 +110,7 @@ static void test_sliding(void **state) {
 }
 
 /* In space, where tangential forces also turn about the normal: all nine moduli, and first order in the strain. */
-static void test_space(void **state) {
-    (void)state;
+TEST(test_space) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.dim = 3;
     spec.protocol = SP_PROTOCOL_QUICK;
@@ -153,8 +149,7 @@ static sp_packing small_spheres(int32_t grains, double friction, uint64_t seed) 
 /* Spheres with two contacts spin about the line through them. At the usual tolerance of rest what their forces are off
  * balance drives them by many turns a strain, to which the exact solution of J owes 3.5e-3 of C12 here; the springs'
  * moduli are those of the same packing brought to rest by other means, and their errors cover what spins may do. */
-static void test_spins(void **state) {
-    (void)state;
+TEST(test_spins) {
     sp_packing p = small_spheres(90, 1, 32);
     sp_network net = network_of(&p, true);
     sp_moduli m;
@@ -182,8 +177,7 @@ static void test_spins(void **state) {
  * follows the normal force and a spring sideways of it. No length is in that law while contacts neither open nor close,
  * so that the moduli are nearly the same for all small strains: some contacts are so near the limit at rest that the
  * larger strain makes them slide. */
-static void test_spheres(void **state) {
-    (void)state;
+TEST(test_spheres) {
     int32_t sliding = 0;
     for (uint64_t seed = 5; seed <= 6; seed++) {
         sp_pack_spec spec = sp_pack_spec_default();
@@ -219,8 +213,7 @@ static void test_spheres(void **state) {
 }
 
 /* Where contacts begin to slide the packing yields under one strain, says that a smaller one may do, and so it is. */
-static void test_advice(void **state) {
-    (void)state;
+TEST(test_advice) {
     sp_packing p = small_spheres(100, 0.5, 22);
     sp_network net = network_of(&p, false);
     sp_finite_strain_options o = sp_finite_strain_options_default();
@@ -233,8 +226,7 @@ static void test_advice(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = scattered_packing(2, 6, 0.5, 1), q = scattered_packing(2, 5, 0.5, 1);
     sp_network net = network_of(&p, false);
     sp_finite_strain_options o = sp_finite_strain_options_default();
@@ -269,10 +261,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_straight), cmocka_unit_test(test_turning),
-                                       cmocka_unit_test(test_sliding),  cmocka_unit_test(test_space),
-                                       cmocka_unit_test(test_spins),    cmocka_unit_test(test_advice),
-                                       cmocka_unit_test(test_spheres),  cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

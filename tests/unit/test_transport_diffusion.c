@@ -14,8 +14,7 @@ static sp_modes modes_of(const sp_network *net) {
 /* Means over packings of the diffusivity in both ways: the energy of random motions spreads as the eigenmodes say. In
  * cells of 15 diameters in the plane modes are not quite extended, and energy spreads by some 20% more slowly
  * (docs/transport.md). */
-static void test_two_ways(void **state) {
-    (void)state;
+TEST(test_two_ways) {
     SKIP_SANITIZED();
     enum { PACKINGS = 4 };
     double spread = 0, squares = 0, kubo = 0;
@@ -51,8 +50,7 @@ static void test_two_ways(void **state) {
 
 /* The spread of energy in a lattice is ballistic: no diffusivity from either way. The speed is that of the groups: in
  * the square lattice of smooth grains half of the modes move along y, with omega = w sin(k a/2). */
-static void test_lattice(void **state) {
-    (void)state;
+TEST(test_lattice) {
     enum { ROWS = 40 };
     sp_packing p = cells_square(6, ROWS, 0, 1e-3, 0);
     sp_network net = network_of(&p, false);
@@ -85,8 +83,7 @@ static void test_lattice(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_bad_input(void **state) {
-    (void)state;
+TEST(test_bad_input) {
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     sp_network net = network_of(&p, false), turning = network_of(&p, true);
     sp_modes modes = modes_of(&net), none = sp_modes_none();
@@ -124,8 +121,4 @@ static void test_bad_input(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_two_ways), cmocka_unit_test(test_lattice),
-                                       cmocka_unit_test(test_bad_input)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -48,8 +48,7 @@ static double energy_between(const sp_network *net, motion *m, double low, doubl
     return sum;
 }
 
-static void test_sum_is_the_energy(void **state) {
-    (void)state;
+TEST(test_sum_is_the_energy) {
     for (int which = 0; which < 4; which++) {
         sp_packing p = which == 0   ? reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt")
                        : which == 1 ? scattered_packing(3, 3, 0.5, 7)
@@ -115,8 +114,7 @@ static void check_balance(const sp_packing *p, bool prestress, int axis, bool mo
     sp_network_free(&net);
 }
 
-static void test_balance(void **state) {
-    (void)state;
+TEST(test_balance) {
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     check_balance(&p, false, 1, true);
     sp_packing_free(&p);
@@ -132,8 +130,7 @@ static void test_balance(void **state) {
 }
 
 /* u = cos(k y - omega t) along y in a square lattice: J/E = d omega/dk, with omega = 2 sqrt(kn/m) sin(k a/2). */
-static void test_group_velocity(void **state) {
-    (void)state;
+TEST(test_group_velocity) {
     enum { ROWS = 24 };
     sp_packing p = cells_square(5, ROWS, 1, 1e-3, 0);
     sp_network net = network_of(&p, false);
@@ -159,8 +156,7 @@ static void test_group_velocity(void **state) {
 }
 
 /* The displacements after an impulse are those of sp_signal_field. */
-static void test_advance(void **state) {
-    (void)state;
+TEST(test_advance) {
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     sp_network net = network_of(&p, false);
     motion m = random_motion(&net, 1e9);
@@ -181,8 +177,7 @@ static void test_advance(void **state) {
 }
 
 /* What a burst carries through a plane is what leaves the grains below it; all of it begins near the bottom. */
-static void test_burst(void **state) {
-    (void)state;
+TEST(test_burst) {
     enum { TIMES = 2001, PLANES = 2 };
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N600_p1e-4.txt");
     sp_network net = network_of(&p, false);
@@ -231,8 +226,7 @@ static void test_burst(void **state) {
 }
 
 /* Forces at rest that turn with their contacts have no energy. */
-static void test_no_energy(void **state) {
-    (void)state;
+TEST(test_no_energy) {
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     sp_network net = network_of(&p, true);
     motion m = random_motion(&net, 5);
@@ -249,8 +243,7 @@ static void test_no_energy(void **state) {
 }
 
 /* A motion whose energy is below 0 grows, and is told like any other that does. */
-static void test_growth(void **state) {
-    (void)state;
+TEST(test_growth) {
     sp_packing p = without_tangential(scattered_packing(2, 4, 0.5, 5));
     sp_network net = network_of(&p, true);
     motion m = random_motion(&net, 5);
@@ -266,13 +259,4 @@ static void test_growth(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_sum_is_the_energy),
-                                       cmocka_unit_test(test_balance),
-                                       cmocka_unit_test(test_group_velocity),
-                                       cmocka_unit_test(test_advance),
-                                       cmocka_unit_test(test_burst),
-                                       cmocka_unit_test(test_no_energy),
-                                       cmocka_unit_test(test_growth)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

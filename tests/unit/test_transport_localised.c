@@ -8,8 +8,7 @@
 
 /* det(K - omega^2 M) is a product over the modes of a network, and over the chain of transfer matrices:
  * |u_(n+1)/u_1| = prod m_j |omega_j^2 - omega^2| / prod k_j, the first spring left out. */
-static void test_modes_agree(void **state) {
-    (void)state;
+TEST(test_modes_agree) {
     enum { N = 400 };
     sp_packing p = chain_packing(N, 1e-4);
     sp_network net = network_of(&p, false);
@@ -38,8 +37,7 @@ static void test_modes_agree(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_closed_form(void **state) {
-    (void)state;
+TEST(test_closed_form) {
     enum { N = 3000000 };
     const double disorder = 0.35;
     double *mass = malloc(N * sizeof *mass), *k = malloc((N + 1) * sizeof *k), sum = 0, squares = 0;
@@ -71,8 +69,7 @@ static void test_closed_form(void **state) {
     free(k);
 }
 
-static void test_bad_input(void **state) {
-    (void)state;
+TEST(test_bad_input) {
     double mass[400], k[401];
     sp_localisation l;
     assert_ok(sp_localisation_masses(400, 0.1, 1, mass, &err));
@@ -89,8 +86,4 @@ static void test_bad_input(void **state) {
     assert_fails(sp_localisation_chain(400, mass, k, 1, &l, &err), SP_EINVAL, "400");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_modes_agree), cmocka_unit_test(test_closed_form),
-                                       cmocka_unit_test(test_bad_input)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -24,8 +24,7 @@ static void by_modes(const sp_network *net, double omega, double width, double o
     sp_modes_free(&m);
 }
 
-static void test_equal_energy_of_modes(void **state) {
-    (void)state;
+TEST(test_equal_energy_of_modes) {
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     sp_network net = network_of(&p, false);
     sp_split_options o = sp_split_options_default();
@@ -50,8 +49,7 @@ static void test_equal_energy_of_modes(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_bad_input(void **state) {
-    (void)state;
+TEST(test_bad_input) {
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     sp_network net = network_of(&p, false), turning = network_of(&p, true);
     sp_split_options o = sp_split_options_default();
@@ -72,7 +70,4 @@ static void test_bad_input(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_equal_energy_of_modes), cmocka_unit_test(test_bad_input)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -14,8 +14,7 @@ static double modulus(const sp_material *m) { return m->young / (1 - m->poisson 
 /* ---- factors ---------------------------------------------------------------------------------------------------- */
 
 /* Powers of m, kg and s, with which a unit is a number of SI base units. */
-static void every_unit_of_tables_and_files(void **state) {
-    (void)state;
+TEST(every_unit_of_tables_and_files) {
     for (int k = 0; k < 2; k++) {
         const sp_material *m = k == 0 ? &glass : &odd;
         const double e = modulus(m), rho = m->density, d = m->diameter, c = sqrt(e / rho), mass = rho * d * d * d;
@@ -57,8 +56,7 @@ static void every_unit_of_tables_and_files(void **state) {
     }
 }
 
-static void what_is_no_unit_of_ours(void **state) {
-    (void)state;
+TEST(what_is_no_unit_of_ours) {
     static const char *const others[] = {"",        "%",     "s",      "mm",      "rad", "modes/grain",
                                          "l/c",     "K l",   "1/tap",  "cm",      "1",   "p d^2",
                                          "max |F|", "E* d^", "E* d^0", "sqrt(E*", "E*)", "d d^99"};
@@ -81,8 +79,7 @@ static double read(const char *text, const char *unit, const sp_material *m) {
     return value;
 }
 
-static void quantities(void **state) {
-    (void)state;
+TEST(quantities) {
     const double e = modulus(&glass), time = 1e-3 / sqrt(e / 2500);
     static const char *const same[] = {"100 kPa",  "100kPa",    "0.1 MPa",     "1e5 Pa",         "1 bar",
                                        "1e-4 GPa", "1e5 N/m^2", "100 mN/mm^2", "1e5 kg/(m s^2)", "1E5 Pa"};
@@ -101,8 +98,7 @@ static void quantities(void **state) {
     assert_true(read("1 mm", "m", NULL) == 1e-3);
 }
 
-static void refused_quantities(void **state) {
-    (void)state;
+TEST(refused_quantities) {
     static const char *const wrong[] = {"",          "kPa",      "100",     "100 kpa", "100 m",
                                         "100 kPa m", "1e999 Pa", "nan Pa",  "inf Pa",  "100 Pa^",
                                         "100 Pa^0",  "100 Pa/",  "100 (Pa", "100 Pa)", "100 Hz",
@@ -143,8 +139,7 @@ static sp_table example(void) {
     return t;
 }
 
-static void a_table(void **state) {
-    (void)state;
+TEST(a_table) {
     /* E* = 1 GPa, c = 1000 m/s, d = 500 mm: a time is 500 us, a force 2.5e8 N, a frequency 2000 rad/s */
     const sp_material plain = {1e9, 0, 1000, 0.5};
     sp_table t = example();
@@ -181,8 +176,7 @@ static void a_table(void **state) {
     sp_table_free(&t);
 }
 
-static void a_table_that_cannot_be_converted(void **state) {
-    (void)state;
+TEST(a_table_that_cannot_be_converted) {
     sp_table t = example();
     char *before = sp_table_text(&t, SP_TSV);
     assert_int_equal(sp_table_to_si(&t, &(sp_material){0}, NULL), SP_EINVAL);
@@ -197,8 +191,7 @@ static void a_table_that_cannot_be_converted(void **state) {
     sp_table_free(&t);
 }
 
-static void without_memory(void **state) {
-    (void)state;
+TEST(without_memory) {
     sp_status status = SP_ENOMEM;
     for (int64_t k = 0; status == SP_ENOMEM; k++) {
         sp_table t = example();
@@ -210,13 +203,4 @@ static void without_memory(void **state) {
     assert_int_equal(status, SP_OK);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(every_unit_of_tables_and_files),
-                                       cmocka_unit_test(what_is_no_unit_of_ours),
-                                       cmocka_unit_test(quantities),
-                                       cmocka_unit_test(refused_quantities),
-                                       cmocka_unit_test(a_table),
-                                       cmocka_unit_test(a_table_that_cannot_be_converted),
-                                       cmocka_unit_test(without_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -84,8 +84,7 @@ static sp_network usual_network(const sp_packing *p) {
 
 /* Both sources, one pair and several, whichever of the two is carried, and the field of displacements: each within its
  * error, which is small. */
-static void test_signals(void **state) {
-    (void)state;
+TEST(test_signals) {
     enum { POINTS = 9, PLACES = 3 };
     static const int halves[] = {0, 3, 5, 6}; /* of the eight: each value of the three as often as the other */
     for (int h = 0; h < 4; h++) {
@@ -146,8 +145,7 @@ static void test_signals(void **state) {
 }
 
 /* What needs symmetry says so, all of it in the same words. */
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = packed(2, 1e-4, 5);
     sp_network net = usual_network(&p);
     const sp_signal_method methods[] = {SP_SIGNAL_DENSE, SP_SIGNAL_SPARSE, SP_SIGNAL_VERLET, SP_SIGNAL_LAX_WENDROFF,
@@ -173,8 +171,7 @@ static void test_refusals(void **state) {
 }
 
 /* Every allocation of what a network without symmetry needs fails once: the reason is told, nothing is left behind. */
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     sp_packing p = packed(2, 1e-4, 6);
     sp_network net = usual_network(&p);
     const sp_place wall = sp_place_wall();
@@ -211,8 +208,4 @@ static void test_no_memory(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_signals), cmocka_unit_test(test_refusals),
-                                       cmocka_unit_test(test_no_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -50,8 +50,7 @@ static void runge_kutta(const row *r, extended *y, extended h) {
 }
 
 /* Three balls, knocked so gently that they only leave the harmonic range, and so hard that contacts open and close. */
-static void test_row(void **state) {
-    (void)state;
+TEST(test_row) {
     enum { N = 3, POINTS = 41, FINE = 400 };
     const double amplitudes[] = {0.2, 3};
     for (int q = 0; q < 4; q++) {
@@ -91,8 +90,7 @@ static void test_row(void **state) {
 
 /* A ball held between two walls and pushed along them: springs at both, stretched by translation and rotation, slide at
  * mu F_n. Both walls move it alike, so it does not turn: one tangential spring k_t = eta k_n a wall. */
-static void test_sliding(void **state) {
-    (void)state;
+TEST(test_sliding) {
     const double radius = 0.5, overlap = 2e-3, mu = 0.3, poisson = 0.2;
     sp_packing p = sp_packing_none();
     assert_ok(sp_packing_alloc(&p, 2, 1, 2, &err));
@@ -158,8 +156,7 @@ static double energy(const vibration *m) {
     return sum;
 }
 
-static void test_energy(void **state) {
-    (void)state;
+TEST(test_energy) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_packing p = scattered_packing(dim, dim == 2 ? 5 : 3, 0, 11);
         double worst[2];
@@ -188,8 +185,7 @@ static void test_energy(void **state) {
 
 /* As the amplitude falls, F tends to the linear signal in proportion to it: with K's prestress, and forces along the
  * normals at rest. Friction acts (2D: rotations too), dashpots as well. */
-static void test_small(void **state) {
-    (void)state;
+TEST(test_small) {
     enum { POINTS = 21 };
     const double amplitudes[] = {1e-1, 1e-2, 1e-3, 1e-4};
     for (int q = 0; q < 5; q++) {
@@ -224,8 +220,7 @@ static void test_small(void **state) {
 }
 
 /* Sources and detectors of every kind, at an amplitude so small that the linear signals are exact. */
-static void test_places(void **state) {
-    (void)state;
+TEST(test_places) {
     enum { POINTS = 11 };
     sp_packing p = scattered_packing(2, 6, 0.5, 9);
     sp_network net = carried_network(&p);
@@ -271,8 +266,7 @@ static void test_places(void **state) {
     sp_packing_free(&p);
 }
 
-static void test_refusals(void **state) {
-    (void)state;
+TEST(test_refusals) {
     sp_packing p = chain_packing(10, 1e-4), other = chain_packing(11, 1e-4);
     sp_network net = carried_network(&p);
     sp_signal s = sp_signal_none();
@@ -305,9 +299,4 @@ static void test_refusals(void **state) {
     sp_packing_free(&other);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_row),    cmocka_unit_test(test_sliding),
-                                       cmocka_unit_test(test_energy), cmocka_unit_test(test_small),
-                                       cmocka_unit_test(test_places), cmocka_unit_test(test_refusals)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -60,8 +60,7 @@ static void scale(sp_network *net, int32_t i, int32_t j, double factor) {
 
 /* A piece of a row that hangs on nothing, and one of another row, 50 balls that hangs on two springs as weak as the
  * last digits of the others: omega^2 = 2 k weak/(50 m), if it is no zero mode. */
-static void test_weak_springs(void **state) {
-    (void)state;
+TEST(test_weak_springs) {
     const double weak[] = {1e-6, 1e-11, 1e-13, 1e-15};
     for (int q = 0; q < 4; q++) {
         sp_network net = network_of(chains_packing(2, 225, 1e-4));
@@ -82,8 +81,7 @@ static void test_weak_springs(void **state) {
 
 /* How many zero modes there are does not depend on how weak some springs are, as long as they are there. Soft modes and
  * zero modes are then nearer to each other than the errors of an eigensolver. */
-static void test_weakened(void **state) {
-    (void)state;
+TEST(test_weakened) {
     const unsigned seed = 5;
     print_message("seed %u\n", seed);
     for (int trial = 0; trial < 2; trial++) {
@@ -109,8 +107,7 @@ static void test_weakened(void **state) {
 }
 
 /* Two of the frequencies of a long row are the ends of a spectrum ten thousand wide; nothing of it is zero. */
-static void test_long_row(void **state) {
-    (void)state;
+TEST(test_long_row) {
     enum { BALLS = 10000 };
     sp_network net = network_of(chain_packing(BALLS, 1e-4));
     const double omega = 2 * sqrt(net.springs[0].kn / net.mass[0]) * sin(M_PI / (2 * (BALLS + 1)));
@@ -156,8 +153,7 @@ static sp_packing smooth_lattice(int across, int up) {
 
 /* All rows slide: one rigid motion and 14 mechanisms. One column hangs on weak springs besides, and eigensolvers mix
  * its motion with those of the rows. Many more mechanisms than a slice of the sparse solver holds. */
-static void test_mixed(void **state) {
-    (void)state;
+TEST(test_mixed) {
     enum { ACROSS = 17, UP = 15 };
     for (int q = 0; q < 3; q++) {
         sp_network net = network_of(smooth_lattice(ACROSS, UP));
@@ -217,8 +213,7 @@ static sp_packing cluster(int dim, int grains, double apart) {
 /* A body in space: it moves and turns as a whole, and each of three spheres about the line through its two contacts. If
  * the centres are nearer than the sum of the lever arms, grains that turn with the body slip on each other; of alike
  * grains, a somewhat slower turn does not, which is no rigid motion. */
-static void test_clusters(void **state) {
-    (void)state;
+TEST(test_clusters) {
     const struct {
         int dim, grains;
         double apart;
@@ -238,8 +233,7 @@ static void test_clusters(void **state) {
 }
 
 /* Known null motions are orthonormal, and K makes nothing of them. */
-static void test_null_motions(void **state) {
-    (void)state;
+TEST(test_null_motions) {
     sp_network nets[] = {network_of(scattered_packing(3, 5, 0.5, 3)), network_of(cluster(3, 3, 1)),
                          network_of(smooth_lattice(5, 4))};
     for (size_t q = 0; q < 3; q++) {
@@ -274,8 +268,7 @@ static void test_null_motions(void **state) {
 }
 
 /* What lies on neither side of the limit is refused. */
-static void test_undecided(void **state) {
-    (void)state;
+TEST(test_undecided) {
     sp_network net = network_of(chain_packing(5, 1e-4));
     const double limit = sp_zero_limit(&net);
     int64_t zeros = -1;
@@ -294,8 +287,7 @@ static void test_undecided(void **state) {
     sp_network_free(&net);
 }
 
-static void test_bad_input(void **state) {
-    (void)state;
+TEST(test_bad_input) {
     const sp_modes_options o = {.vectors = true};
     sp_modes m = sp_modes_none();
     for (int q = 0; q < 2; q++) { /* by the dense solver, and by the sparse one: 23 x 10 has 460 */
@@ -317,8 +309,7 @@ static void test_bad_input(void **state) {
     }
 }
 
-static void test_no_memory(void **state) {
-    (void)state;
+TEST(test_no_memory) {
     sp_network net = network_of(smooth_lattice(7, 5));
     for (int k = 0;; k++) {
         sp_zero_modes z = {.total = -7};
@@ -336,10 +327,4 @@ static void test_no_memory(void **state) {
     sp_network_free(&net);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_weak_springs), cmocka_unit_test(test_weakened),  cmocka_unit_test(test_long_row),
-        cmocka_unit_test(test_mixed),        cmocka_unit_test(test_clusters),  cmocka_unit_test(test_null_motions),
-        cmocka_unit_test(test_undecided),    cmocka_unit_test(test_bad_input), cmocka_unit_test(test_no_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

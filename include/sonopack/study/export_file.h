@@ -1,7 +1,7 @@
 #ifndef SONOPACK_STUDY_EXPORT_FILE_H
 #define SONOPACK_STUDY_EXPORT_FILE_H
 /* Packings, motions and signals in the files of other programs: ParaView, OVITO, LAMMPS, MATLAB and Octave, ObsPy,
- * spreadsheets. docs/export.md says what each file contains. Every file is written under a temporary name and renamed.
+ * spreadsheets. docs/formats.md says what each file contains. Every file is written under a temporary name and renamed.
  */
 
 #include <sonopack/packing.h>

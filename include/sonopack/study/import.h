@@ -1,7 +1,7 @@
 #ifndef SONOPACK_STUDY_IMPORT_H
 #define SONOPACK_STUDY_IMPORT_H
 /* Reads packings that other programs wrote: LAMMPS, LIGGGHTS, Yade, MercuryDPM, extended XYZ, tables, and the tables of
- * photoelastic experiments (docs/foreign.md). */
+ * photoelastic experiments (docs/formats.md). */
 
 #include <sonopack/packing.h>
 
@@ -28,7 +28,7 @@ SP_API extern const char *const sp_form_names[];
 /* Recognises the form of a file by its content. SP_FORM_AUTO if it is none of these. SP_EIO if it cannot be read. */
 SP_API sp_status sp_form_of_file(const char *path, sp_form *out, sp_error *err);
 
-/* What to read and how. Numbers that are NAN follow from the files; docs/foreign.md says how. Lengths and forces of the
+/* What to read and how. Numbers that are NAN follow from the files; docs/formats.md says how. Lengths and forces of the
  * files are multiplied by the units, and are then in the units of the material; without a material they must be in d
  * and E* d^2. The values below are in the units of the files, but for kn and thickness, which are in those of the
  * material. */

@@ -29,7 +29,7 @@ SP_API sp_status sp_packing_read_tables(const char *grains, const char *contacts
                                         sp_packing *out, sp_error *err);
 SP_API sp_status sp_packing_save_tables(const sp_packing *p, const char *grains, const char *contacts, sp_error *err);
 
-/* A folder with one HDF5 file for each sample, and an index of them (manifest.tsv). The index only saves time: the
+/* A folder with one HDF5 file for each sample, and a cache of their numbers (manifest.tsv), which may be deleted: the
  * files decide. Several processes may use a store at once. */
 typedef struct sp_store sp_store;
 /* With create, samples are to be saved: makes the folder if there is none, and removes what killed processes left half
@@ -69,19 +69,16 @@ typedef struct sp_store_check {
     int64_t names;                   /* how many names; negative: check all samples of the store */
     const char (*name)[SP_NAME_MAX]; /* samples to check; names that are not in the store are ignored */
     double tolerance;                /* of the audit (sp_audit_worst) */
-    int recompute; /* samples at a time whose results are computed again from the packing; 0: none is */
+    int jobs;                        /* samples that are computed at a time, each by one thread; >= 1 */
     bool (*found)(const sp_store_finding *finding, void *user); /* called after each file; false stops the check */
     void *user;
 } sp_store_check;
 
-/* Checks the files of samples. Reads packing, results, signal and scene. Compares the name inside with the file's name,
- * and with the hash of the scene if this version can read that scene. Checks the structure of the packing
- * (sp_packing_check), its audit and what is stated of it (sp_packing_check_stated); that every result is a possible
- * value; and what is stored more than once or follows from the rest at little cost: the keys of the scene, the averages
- * of the packing, speeds from moduli, the front of the stored signal. With recompute all results are computed again
- * from the stored packing, which takes as long as the study without its packings. Renames damaged files to NAME.bad,
- * and updates the index, if the folder can be written to. Faulty files stay. SP_EINTERRUPTED if found returned false.
- */
+/* Checks the files of samples. Reads packing, results, signal and scene, and compares the name inside with the file's
+ * name. Checks the packing: its structure (sp_packing_check), its audit, and what is stated of it
+ * (sp_packing_check_stated). Computes the sample's keys, its name among them, and all of its results again from scene
+ * and packing, which takes as long as the study without its packings. Renames damaged files to NAME.bad, and updates
+ * the cache, if the folder can be written to. Faulty files stay. SP_EINTERRUPTED if found returned false. */
 SP_API sp_status sp_store_verify(sp_store *store, const sp_store_check *check, sp_error *err);
 
 /* Disables HDF5's clean-up at exit, which prints to stderr after a damaged file. For programs that have closed all HDF5

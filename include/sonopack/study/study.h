@@ -123,11 +123,14 @@ typedef struct sp_study_sink {
                       const sp_sample_arrays *arrays, sp_error *err);
 } sp_study_sink;
 
+/* How far a study has come. */
 typedef struct sp_study_progress {
-    int64_t total, done, computed, failed; /* samples; done includes those that were stored before */
+    int64_t total, done, computed, failed; /* samples of the study; finished ones, with those that were stored before;
+                                              those computed now; those that failed */
     int64_t elsewhere;                     /* samples that other processes have reserved; waited for at the end */
-    double seconds, seconds_left;          /* wall clock; seconds_left is NAN at first */
-    double cost, cost_done, cost_computed; /* expected work of these samples, in an arbitrary unit */
+    double seconds, seconds_left;          /* wall clock so far; that is left, NAN at first */
+    double cost, cost_done, cost_computed; /* expected work of these samples, in an arbitrary unit; of the finished
+                                              ones; of those computed now */
 } sp_study_progress;
 /* Called about 4 times a second, and at the end, by the thread that called sp_study_run. Returning false stops the
  * study: unfinished packings are dropped, finished samples are kept. */

@@ -121,12 +121,12 @@ typedef sp_status (*sp_tapped_row)(double t, const double *y, const double *v, v
 /* Results of one tap, from its start to the start of the next. Energies in erg; by events they are exact to rounding.
  */
 typedef struct sp_tapped_tap {
-    double work;       /* of the floor, int F0 dy0 */
-    double dissipated; /* sum over contacts of int e K delta |w| dt */
-    double energy;     /* E at the end: kinetic, m g y, and K delta^2/2 */
+    double work;       /* of the floor, int F0 dy0 [erg] */
+    double dissipated; /* sum over contacts of int e K delta |w| dt [erg] */
+    double energy;     /* E at the end: kinetic, m g y, and K delta^2/2 [erg] */
     double residual;   /* of the balance E - E_before = work - dissipated, relative to the largest of work, dissipated
                           and |E|/1000 */
-    double rest;       /* time after the start of the tap at which everything is at rest; NAN: never */
+    double rest;       /* time after the start of the tap at which everything is at rest [s]; NAN: never */
     double separation; /* smallest y_(i+1) - y_i [cm]; negative: ordering (1) is violated */
     double at;         /* time of that separation [s] */
     int32_t contact;   /* contact of that separation */

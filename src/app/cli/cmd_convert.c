@@ -73,7 +73,7 @@ static const cli_syntax syntax = {
         "  sonopack convert grains.dump P.h5 --contacts contacts.dump --set friction=0.5\n"
         "--set then takes dimension, up, cell (piston, periodic or box: that of the file), sides, across, width, "
         "depth, bottom, top, height, left, right, front, back, xy, xz, yz, gravity, pressure, friction, poisson, wall, "
-        "digits, first_id (docs/foreign.md). For our own tables:\n"
+        "digits, first_id (docs/formats.md). For our own tables:\n"
         "Box and material of tables are in comment lines `# key = value' or in --set key=value: width, depth (3D), "
         "height, cell, xy, xz, yz, gravity, pressure, friction, poisson, wall, material, seed. Lengths are in mean "
         "grain diameters, pressures in E*.\n"

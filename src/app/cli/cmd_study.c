@@ -19,7 +19,7 @@ typedef struct arguments {
     cli_common common;
     const char *store;
     int64_t jobs; /* 0: as many as --threads */
-    bool verify, recompute, retry;
+    bool verify, retry;
     double tolerance; /* of --verify; NAN: not given */
     double level;     /* confidence level of the intervals */
     sp_study_options study;
@@ -42,8 +42,6 @@ static sp_status set_shard(void *user, const char *text, sp_error *err) {
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
-    if (a->recompute && !a->verify)
-        return sp_fail(err, SP_EINVAL, "--recompute applies only to --verify");
     if (!a->verify && !isnan(a->tolerance))
         return sp_fail(err, SP_EINVAL, "--tolerance applies only to --verify");
     if (a->common.files == 0 && a->common.sets == 0 && !a->verify)
@@ -54,10 +52,8 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "--verify cannot be combined with --dry-run: it makes nothing either");
     if (a->common.dry_run && a->ranks.size > 1)
         return sp_fail(err, SP_EINVAL, "--dry-run: must run as one process, not as %d ranks", a->ranks.size);
-    if (a->verify && (a->retry || a->study.shards > 1 || (a->jobs > 0 && !a->recompute)))
-        return sp_fail(err, SP_EINVAL,
-                       "--verify cannot be combined with --retry or --shard, nor with --jobs but for "
-                       "--recompute");
+    if (a->verify && (a->retry || a->study.shards > 1))
+        return sp_fail(err, SP_EINVAL, "--verify cannot be combined with --retry or --shard");
     if (a->verify && a->ranks.size > 1)
         return sp_fail(err, SP_EINVAL, "--verify: must run as one process, not as %d ranks", a->ranks.size);
     return cli_ranks_check(&a->ranks, a->study.shards, err);
@@ -70,10 +66,10 @@ static const cli_option options[] = {
      .field = offsetof(arguments, jobs), .low = 1, .high = 4096},
     {"shard", "I/N", "Compute only every N-th sample, starting with the I-th", .parse = set_shard},
     {"retry", NULL, "Try again the samples that are recorded as failed", CLI_FLAG, .field = offsetof(arguments, retry)},
-    {"verify", NULL, "Make nothing: check all files of the scene's samples, or of the store", CLI_FLAG,
-     .field = offsetof(arguments, verify)},
-    {"recompute", NULL, "With --verify: compute all results again from the stored packings, and compare", CLI_FLAG,
-     .field = offsetof(arguments, recompute)},
+    {"verify", NULL,
+     "Make no sample: compute all results of the scene's samples, or of the store, again from the stored packings, and "
+     "compare",
+     CLI_FLAG, .field = offsetof(arguments, verify)},
     {"tolerance", "EPS", "With --verify: largest relative error that passes (2e-5)", CLI_NUMBER,
      .field = offsetof(arguments, tolerance), .high = 1},
     {"interval", "LEVEL", "Confidence level of the intervals, 0.5 to 0.999 (0.95)", CLI_NUMBER,
@@ -100,10 +96,10 @@ static const cli_syntax syntax = {
         "\n"
         "--verify reads all files of the samples and prints a table of them: whether each is the sample of its name, "
         "and whether its packing passes `sonopack check'. A file that cannot be read, or is not the sample of its "
-        "name, is renamed to NAME.bad, and the next study computes the sample again. What is stored more than once, or "
-        "follows from the packing at little cost, is compared; a false number is named with what it must be, and its "
-        "file stays. With --recompute all that follows from the packing is computed again, --jobs samples at a time, "
-        "and compared within its errors; this takes as long as the study without its packings. The exit status is 1 "
+        "name, is renamed to NAME.bad, and the next study computes the sample again. All that follows from scene and "
+        "packing is computed again, --jobs samples at a time, and compared within its errors: this takes as long as "
+        "the study without its packings. A false number is named with what it must be, and its file stays. The exit "
+        "status is 1 "
         "if any file fails.\n"
         "\n"
         "  sonopack study packings/ctof-quick.cfg --store results/quick\n"
@@ -367,8 +363,7 @@ static int study(arguments *a, int argc, char **argv) {
     share_threads(a);
     if (status == SP_OK && a->verify)
         status = cli_verify(&a->common, a->store, whole ? NULL : &scene,
-                            isnan(a->tolerance) ? CLI_AUDIT_TOLERANCE : a->tolerance, a->recompute ? a->study.jobs : 0,
-                            &good, &err);
+                            isnan(a->tolerance) ? CLI_AUDIT_TOLERANCE : a->tolerance, a->study.jobs, &good, &err);
     if (store)
         sp_store_close(store);
     a->study.from = NULL;

@@ -66,9 +66,9 @@ static sp_status scene_names(const sp_scene *scene, sp_store_check *check, char 
     return SP_OK;
 }
 
-static sp_status verify(verification *v, sp_store *store, const sp_scene *scene, double tolerance, int recompute,
+static sp_status verify(verification *v, sp_store *store, const sp_scene *scene, double tolerance, int jobs,
                         sp_error *err) {
-    sp_store_check check = {.names = -1, .tolerance = tolerance, .recompute = recompute, .found = found, .user = v};
+    sp_store_check check = {.names = -1, .tolerance = tolerance, .jobs = jobs, .found = found, .user = v};
     char(*name)[SP_NAME_MAX] = NULL;
     cli_writer w = {.table = &v->table, .err = err};
     cli_columns(&w, SP_CELL_TEXT, "file", "", "ok", "", "reason", "", "field", "", NULL);
@@ -87,7 +87,7 @@ static sp_status verify(verification *v, sp_store *store, const sp_scene *scene,
     return status;
 }
 
-sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *scene, double tolerance, int recompute,
+sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *scene, double tolerance, int jobs,
                      bool *good, sp_error *err) {
     verification v = {.common = common, .table = sp_table_none(), .begun = sp_clock_wall()};
     sp_store *store = NULL;
@@ -96,7 +96,7 @@ sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *
         status = sp_store_open(dir, false, &store, err);
     if (status == SP_OK) {
         cli_catch_signals(common);
-        status = verify(&v, store, scene, tolerance, recompute, err);
+        status = verify(&v, store, scene, tolerance, jobs, err);
         cli_progress_end();
     }
     if (status == SP_OK)

@@ -9,9 +9,9 @@
  * walls. */
 #define CLI_AUDIT_TOLERANCE 2e-5
 
-/* Prints a table of the files of a scene's samples, or of all files of the store if scene is NULL. recompute: how many
- * samples are computed again at a time; 0: none. *good: all pass. */
-sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *scene, double tolerance, int recompute,
+/* Prints a table of the files of a scene's samples, or of all files of the store if scene is NULL. jobs: how many
+ * samples are computed again at a time. *good: all pass. */
+sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *scene, double tolerance, int jobs,
                      bool *good, sp_error *err);
 
 #endif

@@ -1,5 +1,6 @@
 /* Turns the text of a scene into a checked sp_scene. */
 #include "base/base.h"
+#include "base/text.h"
 #include "scene/reader.h"
 #include "scene/source.h"
 
@@ -132,17 +133,11 @@ static sp_status read_material_overrides(sp_reader *r, int overrides, char *cons
 
 /* The material comes first, wherever it stands: other groups may have numbers in SI units. */
 static sp_status read_text(sp_reader *r, const char *text, int overrides, char *const *override) {
-    char *clean = NULL;
-    sp_status status = sp_source_clean(text, r->name, &clean, r->err);
-    if (status != SP_OK)
-        return status;
     config_t config;
     config_init(&config);
-    if (!config_read_string(&config, clean)) {
-        status =
-            sp_fail(r->err, SP_EINVAL, "%s:%d: %s", r->name, config_error_line(&config), config_error_text(&config));
+    sp_status status = sp_source_parse(text, r->name, &config, r->err);
+    if (status != SP_OK)
         goto out;
-    }
     const config_setting_t *root = config_root_setting(&config);
     if (config_setting_length(root) == 0)
         status = sp_fail(r->err, SP_EINVAL, "%s: an empty scene: must hold at least packing = { ... };", r->name);
@@ -154,39 +149,7 @@ static sp_status read_text(sp_reader *r, const char *text, int overrides, char *
         status = read_groups(r, root, false);
 out:
     config_destroy(&config);
-    sp_free(clean);
     return status;
-}
-
-/* A file name as a string in the syntax of libconfig. */
-static char *quoted(const char *name) {
-    char *text = sp_alloc(2 * strlen(name) + 32, 1);
-    if (!text)
-        return NULL;
-    char *to = text + sprintf(text, "value = \"");
-    for (; *name; *to++ = *name++)
-        if (*name == '"' || *name == '\\')
-            *to++ = '\\';
-    strcpy(to, "\"\n");
-    return text;
-}
-
-/* Puts quotes around the words of a list that have none. */
-static char *quoted_words(const char *list) {
-    static const char letters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-";
-    char *text = sp_alloc(3 * strlen(list) + 32, 1);
-    if (!text)
-        return NULL;
-    char *to = text + sprintf(text, "value = ");
-    bool inside = false; /* quotes */
-    while (*list) {
-        const int word = inside ? 0 : (int)strspn(list, letters);
-        inside = inside != (*list == '"');
-        to += word > 0 ? sprintf(to, "\"%.*s\"", word, list) : sprintf(to, "%c", *list);
-        list += word > 0 ? word : 1;
-    }
-    strcpy(to, "\n");
-    return text;
 }
 
 /* Whether a value is a number with a unit, as in 100 kPa, which libconfig takes as a string only. */
@@ -197,58 +160,72 @@ static bool is_quantity(const char *value) {
            (isalpha((unsigned char)*unit) || (unit > value + number && *unit == '1')) && !strpbrk(value, "\"\\;{}[]=");
 }
 
-/* A value of --set in the syntax of a scene. In --set, words need no quotes and lists of numbers no brackets. */
-static char *override_text(const sp_field *f, const char *value) {
-    if ((f->type == SP_FIELD_FILE || f->type == SP_FIELD_PATH) && value[0] != '"')
-        return quoted(value);
-    if ((sp_field_is_number(f) || f->type == SP_FIELD_REALS) && is_quantity(value))
-        return quoted(value);
-    if (f->type == SP_FIELD_WORD && (value[0] == '[' || value[0] == '('))
-        return quoted_words(value);
-    bool bare = isalpha((unsigned char)value[0]) && f->type != SP_FIELD_BOOL;
-    for (const char *c = value; *c; c++)
-        bare = bare && (isalnum((unsigned char)*c) || strchr("_-,", *c));
-    const size_t size = 4 * strlen(value) + 32;
-    char *text = sp_alloc(size, 1);
-    if (!text)
-        return NULL;
-    if (!bare) {
-        const bool numbers = f->type == SP_FIELD_REALS && value[strspn(value, "0123456789+-.eE, \t")] == '\0' &&
-                             strpbrk(value, "0123456789");
-        snprintf(text, size, numbers ? "value = [%s]\n" : "value = %s\n", value);
-        return text;
+/* ---- --set ------------------------------------------------------------------------------------------------------- */
+
+/* Words need no quotes, and lists of them no brackets. NULL: no memory. */
+static const config_setting_t *add_words(config_setting_t *root, const char *value) {
+    static const char between[] = "[(,\")] \t";
+    if (!strpbrk(value, "[(,")) {
+        config_setting_t *one = config_setting_add(root, "value", CONFIG_TYPE_STRING);
+        char word[64];
+        value += strspn(value, between);
+        snprintf(word, sizeof word, "%.*s", (int)strcspn(value, "\""), value);
+        return one && config_setting_set_string(one, word) ? one : NULL;
     }
-    const bool list = f->type == SP_FIELD_LIST;
-    char *to = text + snprintf(text, size, "value = %s\"", list ? "[" : "");
-    for (const char *c = value; *c; c++) {
-        if (list && *c == ',')
-            to += sprintf(to, "\",\"");
-        else
-            *to++ = *c;
+    config_setting_t *list = config_setting_add(root, "value", CONFIG_TYPE_LIST);
+    for (value += strspn(value, between); list && *value; value += strspn(value, between)) {
+        const size_t length = strcspn(value, between);
+        char word[64];
+        snprintf(word, sizeof word, "%.*s", (int)length, value);
+        if (!config_setting_set_string_elem(list, -1, word))
+            return NULL;
+        value += length;
     }
-    sprintf(to, "\"%s\n", list ? "]" : "");
-    return text;
+    return list;
+}
+
+static const config_setting_t *add_string(config_setting_t *root, const char *value) {
+    config_setting_t *one = config_setting_add(root, "value", CONFIG_TYPE_STRING);
+    return one && config_setting_set_string(one, value) ? one : NULL;
+}
+
+/* Parses a value as it would stand in a scene. Lists of numbers need no brackets. */
+static sp_status parse_value(const sp_reader *r, const sp_field *f, const char *value, config_t *config) {
+    const bool numbers = f->type == SP_FIELD_REALS && value[strspn(value, "0123456789+-.eE, \t")] == '\0' &&
+                         strpbrk(value, "0123456789");
+    char right[200];
+    sp_text text = {0};
+    sp_text_add(&text, numbers ? "value = [%s]" : "value = %s", value);
+    sp_status status = text.failed ? sp_fail_memory(r->err, strlen(value)) : SP_OK;
+    if (status == SP_OK)
+        status = sp_source_parse(text.data, "value", config, r->err);
+    sp_text_free(&text);
+    if (status == SP_EINVAL || (status == SP_OK && config_setting_length(config_root_setting(config)) != 1))
+        return sp_fail_key(r->err, SP_EINVAL, f->key, " = %.60s: must be %s%s", value,
+                           sp_field_right(f, right, sizeof right),
+                           sp_field_is_number(f) ? "; of several, [a, b] or { from = a; to = b; count = 5; }" : "");
+    return status;
 }
 
 static sp_status read_override_value(sp_reader *r, const sp_field *f, const char *value) {
-    char *text = override_text(f, value), *clean = NULL, right[200];
-    if (!text)
-        return sp_fail_memory(r->err, strlen(value));
+    const bool file = (f->type == SP_FIELD_FILE || f->type == SP_FIELD_PATH) && value[0] != '"';
+    const bool words = (f->type == SP_FIELD_WORD || f->type == SP_FIELD_LIST) && value[0] != '{';
+    const bool quantity = (sp_field_is_number(f) || f->type == SP_FIELD_REALS) && is_quantity(value);
+    sp_status status = SP_OK;
     config_t config;
     config_init(&config);
-    sp_status status = sp_source_clean(text, "value", &clean, r->err);
-    if (status != SP_OK)
-        goto out;
-    if (!config_read_string(&config, clean) || config_setting_length(config_root_setting(&config)) != 1)
-        status = sp_fail_key(r->err, SP_EINVAL, f->key, " = %.60s: must be %s%s", value,
-                             sp_field_right(f, right, sizeof right),
-                             sp_field_is_number(f) ? "; of several, [a, b] or { from = a; to = b; count = 5; }" : "");
-    else
-        status = read_field(r, f, config_setting_get_elem(config_root_setting(&config), 0));
-out:
+    config_setting_t *root = config_root_setting(&config);
+    const config_setting_t *setting = NULL;
+    if (words || file || quantity) {
+        setting = words ? add_words(root, value) : add_string(root, value);
+        status = setting ? SP_OK : sp_fail_memory(r->err, strlen(value));
+    } else {
+        status = parse_value(r, f, value, &config);
+        setting = status == SP_OK ? config_setting_get_elem(config_root_setting(&config), 0) : NULL;
+    }
+    if (status == SP_OK)
+        status = read_field(r, f, setting);
     config_destroy(&config);
-    sp_free(clean);
-    sp_free(text);
     return status;
 }
 

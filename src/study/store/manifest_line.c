@@ -1,93 +1,97 @@
-/* Writes and parses lines of the manifest. */
-#include "store/manifest_line.h"
-
+/* Lines of the manifest: a sample and its file, in cells separated by tabs, and a checksum. */
 #include "base/base.h"
 #include "base/hash.h"
+#include "store/manifest.h"
 #include "store/sample_h5.h"
 
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { SUM_DIGITS = 16 };
+enum { SUM_DIGITS = 16, PLANE_NUMBERS = 6 };
+
+static const sp_h5_field of_signal[] = {
+    {{"/results/signal/points", "", ""}, SP_H5_I32, offsetof(sp_sample, signal.points)},
+    {{"/results/signal/method", "", ""}, SP_H5_I32, offsetof(sp_sample, signal.method)},
+    {{"/results/signal/until", "", ""}, SP_H5_F64, offsetof(sp_sample, signal.until)},
+    {{"/results/signal/tolerance", "", ""}, SP_H5_F64, offsetof(sp_sample, signal.tolerance)},
+    {{"/results/planes", "", ""}, SP_H5_I32, offsetof(sp_sample, planes)},
+};
+enum { OF_SIGNAL = sizeof of_signal / sizeof *of_signal, COLUMNS_MAX = SP_RESULTS_MAX + OF_SIGNAL };
+
+/* All single numbers of a sample. Those of parts that it lacks are written as they are in memory. */
+static int columns(sp_result out[COLUMNS_MAX]) {
+    const int results = sp_results(out);
+    for (int k = 0; k < OF_SIGNAL; k++)
+        out[results + k] = (sp_result){.field = &of_signal[k], .offset = of_signal[k].offset};
+    return results + OF_SIGNAL;
+}
+
+void sp_manifest_head(sp_text *out) {
+    sp_result column[COLUMNS_MAX];
+    const int count = columns(column);
+    sp_text_add(out, "# cache of the samples in this folder; may be deleted, and is made anew from their files\n"
+                     "name\tfile\tbytes\tmodified\tparts");
+    for (int k = 0; k < count; k++)
+        sp_text_add(out, "\t%s", column[k].field->name.path + strlen("/results/"));
+    sp_text_add(out, "\tat_planes\treason\tchecksum\n");
+}
 
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
-void sp_manifest_head(sp_text *out) {
-    sp_result result[SP_RESULTS_MAX];
-    const int results = sp_results(result);
-    sp_text_add(out, "name\tfile\tbytes\tmodified\tcontent\tparts");
-    for (int k = 0; k < results; k++)
-        sp_text_add(out, "\t%s", result[k].field->name.path + strlen("/results/"));
-    sp_text_add(out, "\tsignal\tplanes\treason\tchecksum\n");
-}
-
-static void put_number(sp_text *out, const sp_sample *s, const sp_result *r) {
-    const char *place = (const char *)s + r->offset;
+static void put_number(sp_text *out, const void *place, sp_h5_type type) {
     double real;
     int32_t narrow;
     uint64_t wide;
-    switch (r->field->type) {
-    case SP_H5_F64:
+    if (type == SP_H5_F64) {
         memcpy(&real, place, sizeof real);
         sp_text_number(out, real);
-        break;
-    case SP_H5_I32:
+    } else if (type == SP_H5_I32) {
         memcpy(&narrow, place, sizeof narrow);
         sp_text_add(out, "%d", narrow);
-        break;
-    default:
+    } else {
         memcpy(&wide, place, sizeof wide);
         sp_text_add(out, "%llu", (unsigned long long)wide);
-        break;
     }
-}
-
-static void put_signal(sp_text *out, const sp_sample *s) {
-    const sp_signal_made *m = &s->signal;
-    if (!(s->have & SP_WANT_SIGNAL)) {
-        sp_text_add(out, "\t-");
-        return;
-    }
-    sp_text_add(out, "\t%d %d ", m->points, (int)m->method);
-    sp_text_number(out, m->until);
-    sp_text_add(out, " ");
-    sp_text_number(out, m->tolerance);
 }
 
 static void put_planes(sp_text *out, const sp_sample *s) {
-    sp_text_add(out, s->have & SP_WANT_PLANES ? "\t%d" : "\t-", s->planes);
-    for (int32_t k = 0; s->have & SP_WANT_PLANES && k < s->planes; k++) {
+    for (int32_t k = 0; k < s->planes; k++) {
         const sp_front *f = &s->plane_front[k];
-        const double number[] = {s->plane[k], f->t10, f->t_peak, f->t_zero, f->amplitude, f->width};
-        for (size_t i = 0; i < sizeof number / sizeof *number; i++) {
+        const double number[PLANE_NUMBERS] = {s->plane[k], f->t10, f->t_peak, f->t_zero, f->amplitude, f->width};
+        for (int i = 0; i < PLANE_NUMBERS; i++) {
             sp_text_add(out, " ");
             sp_text_number(out, number[i]);
         }
     }
 }
 
-void sp_manifest_put(sp_text *out, const sp_manifest_line *line) {
-    const sp_sample *s = &line->sample;
-    sp_result result[SP_RESULTS_MAX];
-    const int results = sp_results(result);
+static int64_t time_of(const struct stat *file) {
+    return (int64_t)file->st_mtim.tv_sec * 1000000000 + file->st_mtim.tv_nsec;
+}
+
+static void put_file(sp_text *out, const char *name, bool failed, const struct stat *file) {
+    sp_text_add(out, "%s\t%s\t%lld\t%lld\t", name, failed ? "failed" : "h5", (long long)file->st_size,
+                (long long)time_of(file));
+}
+
+void sp_manifest_put(sp_text *out, const struct stat *file, const sp_sample *s) {
+    sp_result column[COLUMNS_MAX];
+    const int count = columns(column);
     const size_t begin = out->size;
     char reason[sizeof s->reason];
-    snprintf(reason, sizeof reason, "%s", s->reason[0] ? s->reason : "-");
+    snprintf(reason, sizeof reason, "%s", s->reason);
     for (char *c = reason; *c; c++)
         if ((unsigned char)*c < ' ')
             *c = ' ';
     sp_locale locale = sp_locale_enter();
-    sp_text_add(out, "%s\t%s\t%lld\t%lld\t%016llx\t%u", s->name, s->failed ? "failed" : "h5", (long long)line->bytes,
-                (long long)line->modified, (unsigned long long)line->content, s->have);
-    for (int k = 0; k < results; k++) {
+    put_file(out, s->name, s->failed, file);
+    sp_text_add(out, "%u\t", s->have);
+    for (int k = 0; k < count; k++) {
+        put_number(out, (const char *)s + column[k].offset, column[k].field->type);
         sp_text_add(out, "\t");
-        if (result[k].want && !(s->have & result[k].want))
-            sp_text_add(out, "-");
-        else
-            put_number(out, s, &result[k]);
     }
-    put_signal(out, s);
     put_planes(out, s);
     sp_text_add(out, "\t%s\t", reason);
     sp_locale_leave(&locale);
@@ -98,139 +102,76 @@ void sp_manifest_put(sp_text *out, const sp_manifest_line *line) {
 
 /* ---- reading --------------------------------------------------------------------------------------------------- */
 
-bool sp_manifest_sound(const char *line, size_t length) {
-    if (length <= SUM_DIGITS || line[length - SUM_DIGITS - 1] != '\t')
-        return false;
+static bool is_sound(const char *line) {
+    const size_t length = strlen(line);
     char sum[SUM_DIGITS + 1];
+    if (length <= SUM_DIGITS)
+        return false;
     snprintf(sum, sizeof sum, "%016llx", (unsigned long long)sp_hash64(SP_HASH64_BEGIN, line, length - SUM_DIGITS));
-    return memcmp(sum, line + length - SUM_DIGITS, SUM_DIGITS) == 0;
+    return strcmp(sum, line + length - SUM_DIGITS) == 0;
 }
 
-/* Cuts off the next cell; NULL at the end. */
+/* Cuts off the next cell; "" at the end, which no number has. */
 static char *next_cell(char **rest) {
-    char *cell = *rest;
-    if (!cell)
-        return NULL;
-    char *tab = strchr(cell, '\t');
-    *rest = tab ? tab + 1 : NULL;
+    char *cell = *rest, *tab = strchr(cell, '\t');
+    *rest = tab ? tab + 1 : cell + strlen(cell);
     if (tab)
         *tab = '\0';
     return cell;
 }
 
-static bool get_number(const char *cell, const sp_result *r, sp_sample *s) {
-    char *place = (char *)s + r->offset;
+static bool get_number(const char *cell, void *place, sp_h5_type type) {
     double real;
     int64_t integer;
     uint64_t wide;
-    bool good;
-    switch (r->field->type) {
-    case SP_H5_F64:
-        good = sp_word_number(cell, &real);
-        if (good)
-            memcpy(place, &real, sizeof real);
-        return good;
-    case SP_H5_I32:
-        good = sp_word_integer(cell, &integer) && integer >= INT32_MIN && integer <= INT32_MAX;
-        if (good)
-            memcpy(place, &(int32_t){(int32_t)integer}, sizeof(int32_t));
-        return good;
-    default:
-        good = sp_word_unsigned(cell, &wide);
-        if (good)
-            memcpy(place, &wide, sizeof wide);
-        return good;
-    }
-}
-
-static bool get_numbers(char *cell, int count, double *number) {
-    char *word[6 * SP_PLANES_MAX + 1];
-    if (count > 6 * SP_PLANES_MAX + 1 || sp_line_words(cell, word, count) != count)
-        return false;
-    for (int k = 0; k < count; k++)
-        if (!sp_word_number(word[k], &number[k]))
-            return false;
-    return true;
-}
-
-static bool get_signal(char *cell, sp_sample *s) {
-    double number[4];
-    if (strcmp(cell, "-") == 0)
-        return !(s->have & SP_WANT_SIGNAL);
-    if (!get_numbers(cell, 4, number) || !(number[0] >= 0 && number[0] <= INT32_MAX && number[1] >= 0 &&
-                                           number[1] < 99 && sp_signal_method_name((sp_signal_method)(int)number[1])))
-        return false;
-    s->signal = (sp_signal_made){.points = (int32_t)number[0],
-                                 .method = (sp_signal_method)(int)number[1],
-                                 .until = number[2],
-                                 .tolerance = number[3]};
-    return true;
+    if (type == SP_H5_F64)
+        return sp_word_number(cell, &real) && memcpy(place, &real, sizeof real);
+    if (type == SP_H5_I32)
+        return sp_word_integer(cell, &integer) && integer >= INT32_MIN && integer <= INT32_MAX &&
+               memcpy(place, &(int32_t){(int32_t)integer}, sizeof(int32_t));
+    return sp_word_unsigned(cell, &wide) && memcpy(place, &wide, sizeof wide);
 }
 
 static bool get_planes(char *cell, sp_sample *s) {
-    double number[6 * SP_PLANES_MAX + 1];
-    if (strcmp(cell, "-") == 0)
-        return !(s->have & SP_WANT_PLANES);
-    const long planes = strtol(cell, NULL, 10);
-    if (planes < 0 || planes > SP_PLANES_MAX || !get_numbers(cell, 6 * (int)planes + 1, number))
+    char *word[PLANE_NUMBERS * SP_PLANES_MAX];
+    double n[PLANE_NUMBERS] = {0};
+    if (s->planes < 0 || s->planes > SP_PLANES_MAX ||
+        sp_line_words(cell, word, PLANE_NUMBERS * s->planes) != PLANE_NUMBERS * s->planes)
         return false;
-    s->planes = (int32_t)planes;
     for (int32_t k = 0; k < s->planes; k++) {
-        const double *n = number + 1 + 6 * k;
+        for (int i = 0; i < PLANE_NUMBERS; i++)
+            if (!sp_word_number(word[PLANE_NUMBERS * k + i], &n[i]))
+                return false;
         s->plane[k] = n[0];
         s->plane_front[k] = (sp_front){.t10 = n[1], .t_peak = n[2], .t_zero = n[3], .amplitude = n[4], .width = n[5]};
     }
     return true;
 }
 
-/* Parses the cells before the results. */
-static bool get_file(char **rest, sp_manifest_line *l) {
-    int64_t have;
-    const char *name = next_cell(rest), *file = next_cell(rest), *bytes = next_cell(rest), *modified = next_cell(rest),
-               *content = next_cell(rest), *parts = next_cell(rest);
-    if (!parts || strlen(content) != SUM_DIGITS || strspn(content, "0123456789abcdef") != SUM_DIGITS ||
-        strlen(name) >= SP_NAME_MAX || !sp_word_integer(bytes, &l->bytes) || !sp_word_integer(modified, &l->modified) ||
-        !sp_word_integer(parts, &have) || have < 0 || have > INT32_MAX)
-        return false;
-    snprintf(l->sample.name, sizeof l->sample.name, "%s", name);
-    l->content = strtoull(content, NULL, 16);
-    l->sample.failed = strcmp(file, "failed") == 0;
-    l->sample.have = (unsigned)have;
-    return l->sample.failed || strcmp(file, "h5") == 0;
-}
-
-static bool get_line(char *line, sp_manifest_line *l) {
-    sp_result result[SP_RESULTS_MAX];
-    const int results = sp_results(result);
-    char *rest = line;
-    l->sample = sp_sample_blank();
-    if (!get_file(&rest, l))
-        return false;
-    for (int k = 0; k < results; k++) {
-        const char *cell = next_cell(&rest);
-        const bool here = !result[k].want || l->sample.have & result[k].want;
-        if (!cell || (here ? !get_number(cell, &result[k], &l->sample) : strcmp(cell, "-") != 0))
-            return false;
-    }
-    char *signal = next_cell(&rest), *planes = next_cell(&rest), *reason = next_cell(&rest);
-    if (!reason || !get_signal(signal, &l->sample) || !get_planes(planes, &l->sample))
-        return false;
-    if (strcmp(reason, "-") != 0)
-        snprintf(l->sample.reason, sizeof l->sample.reason, "%s", reason);
-    return true;
-}
-
-/* What tables count with. All other numbers are those of the file, which was checked. */
-static bool possible(const sp_sample *s) {
-    return s->dim >= 1 && s->dim <= 3 && s->kind >= SP_PACK_PISTON && s->kind <= SP_PACK_FILE && s->grains >= 1;
-}
-
-bool sp_manifest_get(char *line, sp_manifest_line *out) {
-    sp_manifest_line l = {0};
-    sp_locale locale = sp_locale_enter();
-    const bool good = get_line(line, &l) && possible(&l.sample);
-    sp_locale_leave(&locale);
+static bool get_sample(char *rest, sp_sample *s) {
+    sp_result column[COLUMNS_MAX];
+    const int count = columns(column);
+    bool good = get_number(next_cell(&rest), &s->have, SP_H5_I32);
+    for (int k = 0; good && k < count; k++)
+        good = get_number(next_cell(&rest), (char *)s + column[k].offset, column[k].field->type);
+    good = good && get_planes(next_cell(&rest), s);
     if (good)
-        *out = l;
+        snprintf(s->reason, sizeof s->reason, "%s", next_cell(&rest));
+    return good && !sp_sample_fault(s) && sp_signal_method_name(s->signal.method);
+}
+
+bool sp_manifest_get(char *line, const char *name, bool failed, const struct stat *file, sp_sample *out) {
+    sp_text begin = {0};
+    put_file(&begin, name, failed, file);
+    const bool same = !begin.failed && strncmp(line, begin.data, begin.size) == 0 && is_sound(line);
+    sp_sample s = sp_sample_blank();
+    s.failed = failed;
+    snprintf(s.name, sizeof s.name, "%s", name);
+    sp_locale locale = sp_locale_enter();
+    const bool good = same && get_sample(line + begin.size, &s);
+    sp_locale_leave(&locale);
+    sp_text_free(&begin);
+    if (good)
+        *out = s;
     return good;
 }

@@ -14,7 +14,7 @@ static sp_stored sink_has(void *user, const sp_scene *scene, const char *name) {
     sp_sample sample;
     if (!sp_store_is_name(name))
         return SP_STORED_NOT;
-    if (sp_store_trusted(store, name, &sample, NULL) == SP_OK) {
+    if (sp_store_finished(store, name, &sample, NULL) == SP_OK) {
         const sp_stored stored = sp_sample_stored(scene, &sample);
         return stored == SP_STORED_FAILED && store->retry ? SP_STORED_NOT : stored;
     }
@@ -41,12 +41,9 @@ static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp
     if (!sp_store_is_name(name) || !sp_store_holds(store, name, "h5"))
         return SP_OK;
     sp_record r;
-    sp_status status = sp_store_trusted(store, name, sample, NULL);
-    if (status == SP_EFORMAT || status == SP_EFAILED)
-        return sp_store_make_way(store, name, "h5", err); /* it is to be made again */
-    status = sp_store_get(store, name, packing, false, &r, err);
+    sp_status status = sp_store_get(store, name, packing, true, &r, err);
     if (status == SP_EFORMAT)
-        return SP_OK; /* a damaged sample is made again */
+        return sp_store_make_way(store, name, "h5", err); /* it is to be made again */
     if (status != SP_OK)
         return status;
     *sample = r.sample;

@@ -27,7 +27,6 @@ static sp_status prepare_writing(sp_store *store, sp_error *err) {
     if (sp_folder_probe(store->dir, &why) == SP_OK) {
         sp_folder_clean(store->dir);
         sp_manifest_allow_adding(store->manifest);
-        sp_manifest_tidy(store->manifest);
         return SP_OK;
     }
     sp_status status = sp_store_names(store, &list, err);
@@ -74,8 +73,7 @@ void sp_store_close(sp_store *store) {
 
 void sp_store_retry(sp_store *store, bool retry) { store->retry = retry; }
 
-/* ---- reading --------------------------------------------------------------------------------------------------------
- */
+/* ---- reading --------------------------------------------------------------------------------------------------- */
 
 sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, sp_sample *sample,
                         sp_sample_arrays *arrays, sp_error *err) {
@@ -88,16 +86,6 @@ sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, 
     sp_status status = sp_store_get(store, name, packing, arrays != NULL, &r, err);
     if (status != SP_OK)
         return status;
-    status = sp_sample_possible(&r.sample, err);
-    if (status == SP_OK && arrays)
-        status = sp_arrays_possible(&r.sample, &r.arrays, err);
-    if (status != SP_OK) {
-        sp_fail_prefix(err, "%s/%s.h5", store->dir, name);
-        if (packing)
-            sp_packing_free(packing);
-        sp_record_free(&r);
-        return status;
-    }
     if (sample)
         *sample = r.sample;
     if (arrays) {

@@ -4,7 +4,6 @@
 #include "store/failure.h"
 #include "store/folder.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -37,9 +36,9 @@ static void free_task(task *t) {
     sp_packing_free(&t->p);
 }
 
-static void check_file(const sp_store *store, double tolerance, task *t) {
+static void read_file(const sp_store *store, task *t) {
     t->status = t->record ? check_record(store, t->name, &t->reason)
-                          : sp_store_examine(store, t->name, tolerance, &t->r, &t->p, &t->reason);
+                          : sp_store_get(store, t->name, &t->p, true, &t->r, &t->reason);
 }
 
 /* Renames a damaged file. With the claim, and only if the file is still damaged: another process may be replacing it.
@@ -48,7 +47,7 @@ static bool put_aside(sp_store *store, const task *of) {
     task again = {.name = of->name, .record = of->record, .p = sp_packing_none()};
     if (sp_claim_take(&store->claims, store->dir, of->name, false) == SP_CLAIM_OTHERS)
         return false;
-    check_file(store, INFINITY, &again);
+    read_file(store, &again);
     bool aside = again.status == SP_EFORMAT && sp_store_put_aside(store, of->name, of->record ? "failed" : "h5");
     sp_claim_release(&store->claims, of->name);
     free_task(&again);
@@ -85,18 +84,28 @@ typedef struct batch {
     task *task;
 } batch;
 
+/* A file that can be read is not damaged, and stays. */
+static void recompute(const batch *b, task *t) {
+    char path[SP_PATH_MAX];
+    sp_store_path(b->store, t->name, "h5", path);
+    t->status = sp_record_recompute(path, &t->r, &t->p, b->check->tolerance, &t->reason);
+    if (t->status != SP_OK && t->status != SP_ENOMEM)
+        t->status = SP_EFAILED;
+}
+
 static void compute_part(void *data, int part, int parts) {
     batch *b = data;
     for (int k = part; k < b->count; k += parts)
         if (b->task[k].status == SP_OK && !b->task[k].record)
-            b->task[k].status = sp_record_again(&b->task[k].r, &b->task[k].p, &b->task[k].reason);
+            recompute(b, &b->task[k]);
 }
 
 static sp_status finish_batch(batch *b, sp_error *err) {
     sp_status status = SP_OK;
-    if (b->check->recompute > 0)
-        sp_pool_run(b->pool, compute_part, b);
+    sp_pool_run(b->pool, compute_part, b);
     for (int k = 0; k < b->count; k++) {
+        if (b->task[k].status == SP_OK && !b->task[k].record)
+            sp_store_enter(b->store, &b->task[k].r.sample);
         if (status == SP_OK)
             status = report(b->store, b->check, &b->task[k], b->names, err);
         free_task(&b->task[k]);
@@ -113,7 +122,7 @@ static sp_status check_names(batch *b, const char (*name)[SP_NAME_MAX], sp_error
                 continue;
             task *t = &b->task[b->count++];
             *t = (task){.name = name[k], .record = record, .done = k + 1, .p = sp_packing_none()};
-            check_file(b->store, b->check->tolerance, t);
+            read_file(b->store, t);
             if (b->count == b->most)
                 status = finish_batch(b, err);
         }
@@ -122,7 +131,7 @@ static sp_status check_names(batch *b, const char (*name)[SP_NAME_MAX], sp_error
 
 sp_status sp_store_verify(sp_store *store, const sp_store_check *check, sp_error *err) {
     sp_name_list all = {0};
-    batch b = {.store = store, .check = check, .most = check->recompute > 1 ? check->recompute : 1};
+    batch b = {.store = store, .check = check, .most = check->jobs > 1 ? check->jobs : 1};
     sp_status status = sp_pool_make(b.most, &b.pool, err);
     if (status == SP_OK && !(b.task = sp_alloc((size_t)b.most, sizeof *b.task)))
         status = sp_fail_memory(err, (size_t)b.most * sizeof *b.task);
@@ -133,7 +142,6 @@ sp_status sp_store_verify(sp_store *store, const sp_store_check *check, sp_error
     b.names = check->names < 0 ? all.count : check->names;
     if (status == SP_OK)
         status = check_names(&b, check->names < 0 ? (const char(*)[SP_NAME_MAX])all.name : check->name, err);
-    sp_manifest_tidy(store->manifest);
     sp_pool_free(b.pool);
     sp_free(b.task);
     sp_free(all.name);
