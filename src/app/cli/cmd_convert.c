@@ -11,10 +11,9 @@
 typedef convert_arguments arguments;
 
 static const cli_option options[] = {
-    {"grain-table", "FILE.tsv", "Table of grains: id x y [z] radius", CLI_TEXT,
-     .field = offsetof(arguments, grains)},
-    {"contact-table", "FILE.tsv",
-     "Table of contacts: i j nx ny [nz] overlap Fn Ft", CLI_TEXT, .field = offsetof(arguments, contacts)},
+    {"grain-table", "FILE.tsv", "Table of grains: id x y [z] radius", CLI_TEXT, .field = offsetof(arguments, grains)},
+    {"contact-table", "FILE.tsv", "Table of contacts: i j nx ny [nz] overlap Fn Ft", CLI_TEXT,
+     .field = offsetof(arguments, contacts)},
     {.help = "Packings of other programs:"},
     {"contacts", "FILE|overlap", "List of contacts of IN, or all pairs that overlap", CLI_TEXT,
      .field = offsetof(arguments, contacts)},
@@ -125,8 +124,7 @@ static sp_status resolve_files(arguments *a, sp_error *err) {
         a->out = NULL;
     }
     if (!a->grains != !a->contacts)
-        return sp_fail(err, SP_EINVAL,
-                       "a table of %s alone: give both --grain-table and --contact-table",
+        return sp_fail(err, SP_EINVAL, "a table of %s alone: give both --grain-table and --contact-table",
                        a->grains ? "grains" : "contacts");
     if (a->in && strcmp(a->in, "-") == 0 && a->grains)
         a->in = NULL;
