@@ -181,3 +181,13 @@ class Coda(_core.Result):
         out = ffi.new("sp_coda_candidate[]", self.n)
         call(lib.sp_coda_locate, self._c, _core.pointer_to(values, "const double *"), float(noise), out)
         return _core.view(out, ffi.cast("sp_coda_candidate *", out), (self.n,), "sp_coda_candidate")
+
+    @documented("sp_coda_first_order")
+    def first_order(self, found: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Candidates of locate() whose error also has what the kernel, which is of first order, leaves out."""
+        out, signal = np.array(found, ndmin=1), self.signal()
+        before = _core.pointer_to(signal, "const double *")
+        for k in range(len(out)):
+            call(lib.sp_coda_first_order, self.network._c, self._options, self._c, before,
+                 ffi.cast("sp_coda_candidate *", out[k:].ctypes.data))
+        return out

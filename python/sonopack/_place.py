@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from . import _core
-from ._native import ffi
+from ._native import ffi, lib
 
 
 @dataclass(frozen=True)
@@ -51,22 +51,13 @@ class Place:
     @classmethod
     def parse(cls, text: str) -> Place:
         """A place as the command writes it: top, bottom, part:X0:X1, grain:I, plane:Y, with :shear or :normal."""
-        kind, *numbers = text.split(":")
-        shear = numbers[-1:] == ["shear"]
-        if numbers[-1:] in (["shear"], ["normal"]):
-            numbers.pop()
+        out = ffi.new("sp_place *")
         try:
-            if kind in ("top", "bottom") and not numbers:
-                return cls.wall(shear)
-            if kind == "part" and len(numbers) == 2:
-                return cls.part(float(numbers[0]), float(numbers[1]), shear)
-            if kind == "grain" and len(numbers) == 1:
-                return cls.grain(int(numbers[0]), shear)
-            if kind == "plane" and len(numbers) == 1:
-                return cls.plane(float(numbers[0]), shear)
-        except ValueError:
-            pass
-        raise _core.invalid("place", f"{text!r}: must be top, bottom, part:X0:X1, grain:I or plane:Y, then :shear or not")
+            _core.call(lib.sp_place_read, text.encode(), text.startswith("bottom"), out, ffi.NULL)
+        except _core.InvalidInput as error:
+            raise _core.invalid("place", str(error)) from None
+        kind = _core.words("sp_place_kind")[out.kind]
+        return cls(kind, bool(out.shear), getattr(out, "from"), out.to, out.height, out.grain)
 
     def _write(self, to: Any) -> None:
         _core.set_fields(to, {"kind": self.kind, "shear": self.shear, "height": float(self.height)})

@@ -22,8 +22,8 @@ EVERY = [
     ("table", "list", "ONCE", errno.EIO, 1),  # no sample is left out
     ("table", "stat", "ONCE", errno.ESTALE, 1),
     ("table", "read", "ONCE", errno.ESTALE, 1),
-    ("convert-text", "stat", "ONCE", errno.ESTALE, 1),  # no temporary is left
-    ("convert-text", "write", "ONCE", errno.ENOSPC, 1),
+    ("pack-text", "stat", "ONCE", errno.ESTALE, 1),  # no temporary is left
+    ("pack-text", "write", "ONCE", errno.ENOSPC, 1),
     ("statics", "own", "ONCE", errno.ENOMEM, 1),  # no row without its name
     ("column-bifurcation", "own", "ONCE", errno.ENOMEM, 1),  # no point becomes nan
     ("chain-modes", "foreign", "ONCE", errno.ENOMEM, 1),  # not done, and no word of it

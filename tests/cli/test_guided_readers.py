@@ -14,11 +14,24 @@ import h5py
 from streams import run
 
 COMMAND = sys.argv[1]
+PACKING = pathlib.Path(__file__).resolve().parents[2] / "packings/reference/packing_N200_p1e-4.txt"
 LIMIT = 3 << 30
 
 
 def limit_memory():
     resource.setrlimit(resource.RLIMIT_AS, (LIMIT, LIMIT))
+
+
+def wide_table(folder):
+    """30,000 columns and 30,000 blank lines: a table of one row, for which 7 GB were taken."""
+    trial = subprocess.run([COMMAND, "help", "coda"], capture_output=True, preexec_fn=limit_memory)
+    limited = trial.returncode == 0  # a build with sanitizers cannot run under the limit at all
+    path = folder / "wide.csv"
+    columns = 30000
+    path.write_text(",".join(f"c{k}" for k in range(columns)) + "\n" * 30000 + ",".join(["1"] * columns) + "\n")
+    done = subprocess.run([COMMAND, "coda", PACKING, "--before", path, "--after", path], capture_output=True, text=True,
+                          preexec_fn=limit_memory if limited else None)
+    assert done.returncode == 1 and "memory" not in done.stderr and "wide.csv" in done.stderr, (done.returncode, done.stderr)
 
 
 def unknown_method(folder):
@@ -37,4 +50,5 @@ def unknown_method(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="sonopack-guided-") as scratch:
+    wide_table(pathlib.Path(scratch))
     unknown_method(pathlib.Path(scratch))

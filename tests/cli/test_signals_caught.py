@@ -98,8 +98,7 @@ def in_the_middle_of_a_write(folder, library):
     """A signal during the write of a result: the old file stays, and no temporary one."""
     packing = folder / "P.h5"
     assert run("pack", *SMALL, "-o", packing).returncode == 0
-    for name, words in (("w.h5", ["pack", *SMALL]), ("w.txt", ["convert", packing]), ("w.tsv", ["statics", packing]),
-                        ("w.svg", ["plot", "network", packing]), ("w.html", ["view", packing])):
+    for name, words in (("w.h5", ["pack", *SMALL]), ("w.txt", ["pack", *SMALL]), ("w.tsv", ["statics", packing])):
         path = folder / "writes" / name
         path.parent.mkdir(exist_ok=True)
         path.write_text("")
@@ -151,8 +150,7 @@ def large_files(folder):
     """ulimit -f: an error like others, nothing is left."""
     packing, place = folder / "P.h5", folder / "limited"
     place.mkdir()
-    for name, words in (("f.h5", ["pack", *SMALL]), ("f.vtp", ["convert", packing]), ("f.tsv", ["signal", packing]),
-                        ("f.html", ["view", packing]), ("m.h5", ["modes", packing, "--vectors"])):
+    for name, words in (("f.h5", ["pack", *SMALL]), ("f.tsv", ["signal", packing]), ("m.h5", ["modes", packing, "--vectors"])):
         path = place / name
         out = [path] if words[-1] == "--vectors" else ["-o", path]
         done = run(*words, *out, before=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000)))

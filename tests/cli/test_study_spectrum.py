@@ -1,5 +1,5 @@
 """The part spectrum of a store and its table: every frequency against a network that numpy builds from the packing, the
-histogram's means and errors against numpy's and what is kept, made anew and refused.
+histogram's means and errors against numpy's, what is kept, made anew and refused.
 
 usage: test_study_spectrum.py COMMAND SOURCE_DIR
 """

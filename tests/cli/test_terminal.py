@@ -183,19 +183,12 @@ def test_errors_of_signals():
         assert len(run("front", "error.tsv", status=status).stderr.splitlines()) == lines, part
 
 
-def test_progress_in_a_file():
-    done = run("reproduce", "blackmore2011", "--only", "errata,fig1,symbols")
-    assert all(names_all(done.stderr, item) for item in ("errata", "fig1", "symbols")), done.stderr
-    assert not run("reproduce", "blackmore2011", "--only", "errata", "--quiet").stderr
-
-
 def main():
     with tempfile.TemporaryDirectory(prefix="sonopack-terminal-") as name:
         folder = pathlib.Path(name)
         os.chdir(folder)
         for test in (test_help_of_keys, test_examples_of_keys, test_h_is_help,
-                     test_completions_know_everything, test_low_boxes, test_refused_frequencies, test_errors_of_signals,
-                     test_progress_in_a_file):
+                     test_completions_know_everything, test_low_boxes, test_refused_frequencies, test_errors_of_signals):
             test()
             print(test.__name__, "ok")
         for test in (test_bash, test_other_shells, test_defaults):

@@ -94,7 +94,7 @@ def prepare(folder):
     """The sound files, and the commands that read them."""
     chain = ["--set", "packing.kind=chain", "--set", "packing.grains=12", "--set", "packing.friction=0"]
     for arguments in (["pack", *chain, "-o", "good.h5"], ["pack", *chain, "-o", "good.txt"],
-                      ["convert", "good.h5", "--grains", "grains.tsv", "--contacts", "contacts.tsv"],
+                      ["convert", "good.h5", "--grain-table", "grains.tsv", "--contact-table", "contacts.tsv"],
                       ["signal", "good.h5", "--points", "100", "-o", "trace.tsv"]):
         result = run(arguments, folder)
         assert result.returncode == 0, (arguments, result)
@@ -111,10 +111,10 @@ def prepare(folder):
     small = ["--set", "packing.kind=chain", "--set", "packing.dimension=1", "--set", "packing.grains=3",
              "--set", "packing.friction=0"]
     return [("good.txt", ["signal", "damaged.txt", "--points", "20", "--until", "20"]), ("good.txt", ["check", "damaged.txt"]),
-            ("cell.txt", ["plot", "network", "damaged.txt", "-o", "out.svg", "--force"]),
+            ("cell.txt", ["moduli", "damaged.txt"]),
             ("good.h5", ["check", "damaged.h5"]), ("trace.tsv", ["front", "damaged.tsv"]),
-            ("grains.tsv", ["convert", "--force", "out.h5", "--grains", "damaged.tsv", "--contacts", "contacts.tsv"]),
-            ("contacts.tsv", ["convert", "--force", "out.h5", "--grains", "grains.tsv", "--contacts", "damaged.tsv"]),
+            ("grains.tsv", ["convert", "--force", "out.h5", "--grain-table", "damaged.tsv", "--contact-table", "contacts.tsv"]),
+            ("contacts.tsv", ["convert", "--force", "out.h5", "--grain-table", "grains.tsv", "--contact-table", "damaged.tsv"]),
             ("scene.cfg", ["pack", "damaged.cfg", *small, "--force", "-o", "out.h5"]), *imports()]
 
 

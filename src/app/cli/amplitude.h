@@ -6,15 +6,7 @@
 
 #include <sonopack/amplitude.h>
 
-enum { AMPLITUDES_MAX = 200, PLANES_MAX = 1000 };
-
-/* A number that is averaged; error: its column of errors, "" for none. */
-typedef struct amplitude_quantity {
-    const char *name, *unit, *error;
-    sp_amplitude_number (*of)(const sp_amplitude_front *pulse);
-} amplitude_quantity;
-extern const amplitude_quantity amplitude_quantities[]; /* ended by name = NULL */
-enum { AMPLITUDE_QUANTITIES = 17 };
+enum { AMPLITUDES_MAX = 200, PLANES_MAX = 1000, AMPLITUDE_QUANTITIES = 17 };
 
 /* Sums over packings of one pressure, friction and dimension at one amplitude. */
 typedef struct amplitude_group {
@@ -29,20 +21,19 @@ typedef struct amplitude_means {
     amplitude_group *group;
 } amplitude_means;
 
-sp_status amplitude_add_columns(sp_table *t, sp_error *err);
-sp_status amplitude_add_row(const char *path, double pressure, const sp_amplitude_front *pulse, sp_table *t,
-                            sp_error *err);
+void amplitude_add_columns(cli_writer *w);
+void amplitude_add_row(const cli_file *file, const sp_amplitude_front *pulse, cli_writer *w);
 sp_status amplitude_add_mean(amplitude_means *m, const sp_packing *p, const sp_amplitude_front *pulse, sp_error *err);
-sp_status amplitude_mean_rows(const amplitude_means *m, sp_table *t, sp_error *err);
+void amplitude_mean_rows(const amplitude_means *m, cli_writer *w);
 
 /* Fronts at planes. */
-sp_status amplitude_plane_columns(sp_table *t, sp_error *err);
-sp_status amplitude_plane_rows(const cli_file *file, const sp_amplitude_options *o, double amplitude, int32_t planes,
-                               sp_table *t, sp_error *err);
+void amplitude_plane_columns(cli_writer *w);
+void amplitude_plane_rows(const cli_file *file, const sp_amplitude_options *o, double amplitude, int32_t planes,
+                          cli_writer *w);
 
 /* Harmonics of bursts: a row for each plane, or with 0 planes one for all. */
-sp_status amplitude_burst_columns(bool planes, sp_table *t, sp_error *err);
-sp_status amplitude_burst_rows(const cli_file *file, const sp_amplitude_options *o, const sp_amplitude_burst *burst,
-                               int32_t planes, sp_table *t, sp_error *err);
+void amplitude_burst_columns(bool planes, cli_writer *w);
+void amplitude_burst_rows(const cli_file *file, const sp_amplitude_options *o, const sp_amplitude_burst *burst,
+                          int32_t planes, cli_writer *w);
 
 #endif

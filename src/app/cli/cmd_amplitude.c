@@ -116,40 +116,39 @@ static sp_status begin(void *user, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
     cli_comment(&w, "source = %s", cli_source_names[a->o.source]);
     cli_value(&w, "tolerance", a->o.tolerance);
-    if (w.status == SP_OK && a->omega > 0)
-        w.status = amplitude_burst_columns(a->planes > 0, t, err);
-    else if (w.status == SP_OK && a->planes > 0)
-        w.status = amplitude_plane_columns(t, err);
-    else if (w.status == SP_OK && !a->mean)
-        w.status = amplitude_add_columns(t, err);
+    if (a->omega > 0)
+        amplitude_burst_columns(a->planes > 0, &w);
+    else if (a->planes > 0)
+        amplitude_plane_columns(&w);
+    else if (!a->mean)
+        amplitude_add_columns(&w);
     return w.status;
 }
 
 static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
     arguments *a = user;
-    sp_status status = SP_OK;
-    if (a->omega > 0) {
-        for (int32_t k = 0; k < a->n && status == SP_OK; k++) {
-            const sp_amplitude_burst b = {a->amplitude[k], a->omega, a->cycles > 0 ? (int32_t)a->cycles : CYCLES};
-            status = amplitude_burst_rows(file, &a->o, &b, (int32_t)a->planes, t, err);
-        }
-        return status;
-    }
-    if (a->planes > 0) {
-        for (int32_t k = 0; k < a->n && status == SP_OK; k++)
-            status = amplitude_plane_rows(file, &a->o, a->amplitude[k], (int32_t)a->planes, t, err);
-        return status;
-    }
-    status = sp_amplitude_pulses(&file->packing, &a->o, a->n, a->amplitude, a->pulse, NULL, err);
-    for (int32_t k = 0; k < a->n && status == SP_OK; k++)
-        status = a->mean ? amplitude_add_mean(&a->means, &file->packing, &a->pulse[k], err)
-                         : amplitude_add_row(file->path, file->packing.pressure, &a->pulse[k], t, err);
-    return status;
+    const int32_t cycles = a->cycles > 0 ? (int32_t)a->cycles : CYCLES, planes = (int32_t)a->planes;
+    cli_writer w = {.table = t, .err = err};
+    if (!(a->omega > 0) && planes == 0)
+        w.status = sp_amplitude_pulses(&file->packing, &a->o, a->n, a->amplitude, a->pulse, NULL, err);
+    for (int32_t k = 0; k < a->n && w.status == SP_OK; k++)
+        if (a->omega > 0)
+            amplitude_burst_rows(file, &a->o, &(sp_amplitude_burst){a->amplitude[k], a->omega, cycles}, planes, &w);
+        else if (planes > 0)
+            amplitude_plane_rows(file, &a->o, a->amplitude[k], planes, &w);
+        else if (a->mean)
+            w.status = amplitude_add_mean(&a->means, &file->packing, &a->pulse[k], err);
+        else
+            amplitude_add_row(file, &a->pulse[k], &w);
+    return w.status;
 }
 
 static sp_status end(void *user, sp_table *t, sp_error *err) {
     const arguments *a = user;
-    return a->mean ? amplitude_mean_rows(&a->means, t, err) : SP_OK;
+    cli_writer w = {.table = t, .err = err};
+    if (a->mean)
+        amplitude_mean_rows(&a->means, &w);
+    return w.status;
 }
 
 int cmd_amplitude(int argc, char **argv) {

@@ -54,6 +54,7 @@ def test_coda():
     found = coda.locate(change)
     assert found["grain"][0] == grain and abs(found["change"][0] / 1e-3 - 1) < 0.1, found[:3]
     assert np.isclose(found["probability"].sum(), 1)
+    assert abs(coda.first_order(found[:1])["change"][0] - 1e-3) < coda.first_order(found[:1])["error"][0] < 1e-4
     raised(sonopack.Refused, coda.locate, 0 * change)
     raised(sonopack.InvalidInput, coda.locate, change[:1])
     raised(sonopack.InvalidInput, sonopack.Coda, network, t[::-1])
