@@ -165,7 +165,6 @@ INPUTS = [
     "--set packing.pressure=[1e-4,1e-3]",
     *(f"convert {{in}}/P.h5 {{in}}/E.{ending}" for ending in IMPORT),
 ]
-FONTS = "read", "open", "stat", "list", "foreign"
 CPU = 20  # seconds until a run counts as one that hangs
 
 
@@ -250,14 +249,11 @@ class Faulty:
         if changed:
             return "inputs", "inputs have changed"
         if kind == "foreign" and (done.status < 0 or done.status == 255) and not wrong:
-            return "ended by a library", None  # HDF5, libconfig and fontconfig do not stand every lack of memory
+            return "ended by a library", None  # HDF5 and libconfig do not stand every lack of memory
         if done.status < 0:
             return signal.Signals(-done.status).name, f"ended by signal {-done.status}: {done.err[-200:]}"
         if left and kind not in ("unlink",):
             return "left", f"left {left}: {done.err[-200:]}"
-        figures = all(path.endswith((".svg", ".png", ".pdf")) for path in wrong)
-        if wrong and figures and done.status == 0 and kind in FONTS:
-            return "other fonts", None  # cairo and fontconfig go on with what they could read
         if wrong:
             return "wrong", f"status {done.status}, wrong files {wrong}: {done.err[-200:]}"
         if done.status == 0:

@@ -151,24 +151,30 @@ def _place_legend(ax: Axes) -> Legend:
         return _inside(ax, entries, words, frame) or _above(ax, entries, words, frame.width)
 
 
-_PLACES = ("upper right", "upper left", "lower right", "lower left", "center right", "center left", "upper center",
-           "lower center")
+_PLACES = {"upper right": (1, 1), "upper left": (0, 1), "lower right": (1, 0), "lower left": (0, 0),
+           "center right": (1, 0.5), "center left": (0, 0.5), "upper center": (0.5, 1), "lower center": (0.5, 0)}
 
 
 def _inside(ax: Axes, entries: list[Any], words: dict[str, Any], frame: Any) -> Legend | None:
     """The legend where it hides no data, with the y axis grown by up to half; None if there is no such place. Limits that
     were asked for stay as they are."""
     limits, asked = ax.get_ylim(), getattr(ax, "_sonopack_limits", (None, None))[1] is not None
+    sizes = {}
+    for columns in (1, 2) if len(entries) > 3 else (1,):
+        sizes[columns] = _size(ax.legend(handles=entries, loc="upper right", **{"ncol": columns, **words}))
+    ax.get_legend().remove()
     for grow in (0.0,) if asked else (0.0, 0.1, 0.2, 0.3, 0.4):
         _raise_top(ax, limits, grow)
-        for columns in (1, 2) if len(entries) > 3 else (1,):
-            box = ax.legend(handles=entries, loc="upper right", **{"ncol": columns, **words})
-            box.set_in_layout(False)
-            size = _size(box)
-            fits = size[0] <= 0.97 * frame.width and size[1] <= 0.6 * frame.height
-            for place in _PLACES if fits else ():
-                box._set_loc(box.codes[place])
-                if not hides(ax, box.get_window_extent().padded(1.0)):
+        there = Obstacles(ax)
+        for columns, (width, height) in sizes.items():
+            if width > 0.97 * frame.width or height > 0.6 * frame.height:
+                continue
+            for place, (x, y) in _PLACES.items():
+                lies = Bbox.from_bounds(frame.x0 + x * (frame.width - width), frame.y0 + y * (frame.height - height), width,
+                                        height)
+                if there.leave(lies):
+                    box = ax.legend(handles=entries, loc=place, borderaxespad=0.1, **{"ncol": columns, **words})
+                    box.set_in_layout(False)
                     return box
     ax.set_ylim(limits)
     return None
@@ -186,23 +192,27 @@ def _size(box: Legend) -> tuple[float, float]:
     return extent.width, extent.height
 
 
-def hides(ax: Axes, lies: Any) -> bool:
-    """Whether a box [pixels] covers any line, mark, band, text or inset."""
-    others = [text for text in ax.texts if text.get_text()]
-    if any(lies.overlaps(one.get_window_extent()) for one in others):
-        return True
-    if any(lies.overlaps(one.get_tightbbox(ax.figure.canvas.get_renderer())) for one in ax.child_axes):
-        return True
-    paths = [line.get_transform().transform_path(line.get_path()) for line in ax.lines]
-    for patch in ax.patches:
-        paths.append(patch.get_transform().transform_path(patch.get_path()))
-    for many in ax.collections:
-        turn, offsets = many.get_transform(), many.get_offset_transform().transform(many.get_offsets())
-        if len(offsets) and lies.count_contains(np.atleast_2d(offsets)):
-            return True
-        paths += [turn.transform_path(path) for path in many.get_paths()] if len(many.get_paths()) < 5000 else []
-    return any(len(path.vertices) and (lies.count_contains(path.vertices) or path.intersects_bbox(lies, filled=False))
-               for path in paths)
+class Obstacles:
+    """What a legend or an inset must not cover: lines, marks, bands, texts and insets of Axes, in pixels."""
+
+    def __init__(self, ax: Axes) -> None:
+        renderer = ax.figure.canvas.get_renderer()
+        self.boxes = [text.get_window_extent(renderer) for text in ax.texts if text.get_text()]
+        self.boxes += [one.get_tightbbox(renderer) for one in ax.child_axes]
+        self.paths = [one.get_transform().transform_path(one.get_path()) for one in (*ax.lines, *ax.patches)]
+        points = [np.zeros((0, 2))]
+        for many in ax.collections:
+            points.append(np.atleast_2d(many.get_offset_transform().transform(many.get_offsets())))
+            if len(many.get_paths()) < 5000:
+                self.paths += [many.get_transform().transform_path(path) for path in many.get_paths()]
+        self.points = np.concatenate(points)
+
+    def leave(self, lies: Bbox) -> bool:
+        """Whether a box is free."""
+        if any(lies.overlaps(box) for box in self.boxes) or lies.count_contains(self.points):
+            return False
+        return not any(len(path.vertices) and (lies.count_contains(path.vertices) or path.intersects_bbox(lies, filled=False))
+                       for path in self.paths)
 
 
 def inset(ax: Axes, width: float = 0.46, height: float = 0.46) -> Axes:
@@ -211,10 +221,11 @@ def inset(ax: Axes, width: float = 0.46, height: float = 0.46) -> Axes:
     limits, frame = ax.get_ylim(), ax.get_window_extent()
     for grow in (0.0, 0.15, 0.3, 0.45, 0.6):
         _raise_top(ax, limits, grow)
+        there = Obstacles(ax)
         for x, y in ((x, y) for y in np.linspace(0.02, 0.98 - height, 6) for x in np.linspace(0.02, 0.98 - width, 6)):
             lies = Bbox.from_bounds(frame.x0 + x * frame.width, frame.y0 + y * frame.height, width * frame.width,
                                     height * frame.height)
-            if not hides(ax, lies):
+            if there.leave(lies):
                 return _inner(ax, x, y, width, height)
     return _inner(ax, 0.98 - width, 0.98 - height, width, height)
 
@@ -268,7 +279,10 @@ class Look:
 
     def apply(self, fig: Figure) -> None:
         if self.title:
-            fig.suptitle(plain(self.title))
+            title = fig.suptitle("\n".join(textwrap.wrap(plain(self.title), int(13 * fig.get_figwidth()))))
+            if fig.get_label() == "picture":  # whose views have a scale
+                from ._view import grow
+                grow(fig, 0.0, title.get_window_extent().height / fig.dpi + 0.06)
         for k, ax in enumerate(one for one in fig.axes if one.get_label() == "panel"):
             self._axis(ax, "x", self.x)
             if k == 0:
@@ -281,6 +295,8 @@ class Look:
     def _axis(self, ax: Axes, which: str, limits: Limits | None) -> None:
         scale = "log" if which in self.log else "linear" if self.linear else None
         set_limits, get_limits = getattr(ax, f"set_{which}lim"), getattr(ax, f"get_{which}lim")
+        if scale == "log":
+            _check_positive(ax, which)
         if scale and scale != getattr(ax, f"get_{which}scale")():
             getattr(ax, f"set_{which}scale")(scale, **({"nonpositive": "clip"} if scale == "log" else {}))
             set_limits(auto=True)
@@ -291,6 +307,15 @@ class Look:
                 raise usage(f"--{which} {low:g}: must be above 0 on a logarithmic axis")
             low, high = get_limits()
             set_limits(limits[0] if limits[0] is not None else low, limits[1] if limits[1] is not None else high)
+
+
+def _check_positive(ax: Axes, which: str) -> None:
+    """A negative number has no logarithm; zeros lie below the frame."""
+    for line in (line for line in ax.lines if line.get_transform() == ax.transData):
+        values = np.asarray(getattr(line, f"get_{which}data")(), float)
+        if np.any(values < 0):
+            k = int(np.argmax(values < 0))
+            raise usage(f"--log {which}: point {k + 1}: {which} = {values[k]:g} is below 0")
 
 
 # ---- files ----------------------------------------------------------------------------------------------------------

@@ -21,8 +21,8 @@ from ._units import refuse
 
 @dataclasses.dataclass(frozen=True)
 class Motion:
-    """Displacements u [n][dof] of a network. Of a mode: its number and omega; else at the time t after a pulse of `source`.
-    error, omega_error: bounds."""
+    """Displacements u [n][dof] of a network. Of a mode: its number and omega; else at the time t after a pulse of
+    `source`. error, omega_error: bounds."""
 
     network: Network
     u: Floats
@@ -38,7 +38,8 @@ class Motion:
         """One row for each grain that is no rattler; `sonopack plot` draws it in place of computing the motion."""
         net, options = self.network, self.network._options
         if _core.words("sp_springs")[options.tangential] != "constant":
-            raise Failed("network.tangential: must be \"constant\" for a table of displacements, which cannot say otherwise")
+            raise Failed("network.tangential: must be \"constant\" for a table of displacements, which cannot say "
+                         "otherwise")
         length, turn = ("1/sqrt(rho d^3)", "1/sqrt(rho d^5)") if self.is_mode else ("d", "rad")
         columns = {"grain": net.grain, **dict(zip("xyz", net.x.T[:net.dim])), "radius": net.r,
                    **dict(zip(components(net), self.u.T))}
@@ -48,7 +49,8 @@ class Motion:
                 "threshold": float(options.threshold), "prestress": int(options.prestress),
                 "sliding_free": int(options.sliding_free)}
         if self.is_mode:
-            head |= {"mode": self.number, "omega": self.omega, "omega_error": self.omega_error, "vector_error": self.error}
+            head |= {"mode": self.number, "omega": self.omega, "omega_error": self.omega_error,
+                     "vector_error": self.error}
         else:
             head |= {"t": self.t, "source": self.source, "error": self.error}
         return Table.from_columns(columns, units, head)
@@ -69,7 +71,7 @@ def network_for(one: Input, scene: Scene | None) -> Network:
 # ---- modes ----------------------------------------------------------------------------------------------------------
 
 def find_mode(given: Sequence[Input], number: int | None, scene: Scene | None) -> Motion:
-    """The wanted mode, by default the first that is no zero mode, of a packing, of Modes, or of a packing and a file."""
+    """The wanted mode of a packing, of Modes, or of a packing and a file; by default the first that is no zero mode."""
     if isinstance(given[0].source, Modes):
         return _of_modes(given[0].source, number)
     if len(given) == 1:
@@ -133,15 +135,15 @@ def _of_file(one: Input, packing: Packing, number: int | None) -> Motion:
     e = np.empty((network.n, network.dof))
     call(lib.sp_modes_file_vectors, c_path(one.path), f, row, 1, _core.pointer_to(e))
     error = float(lib.sp_modes_vector_error(ffi.addressof(f, "modes"), network._c, row))
-    return Motion(network, e / np.sqrt(network.mass), True, int(m.first + row), float(m.omega[row]), float(m.error[row]),
-                  error=error)
+    return Motion(network, e / np.sqrt(network.mass), True, int(m.first + row), float(m.omega[row]),
+                  float(m.error[row]), error=error)
 
 
 # ---- snapshots ------------------------------------------------------------------------------------------------------
 
 def usual_time(packing: Packing) -> float:
-    """When the wave is about three quarters of the way: 80 at a height of 25 and p = 1e-4, as in Fig. 3 of Somfai et al.
-    2005."""
+    """When the wave is about three quarters of the way: 80 at a height of 25 and p = 1e-4, as in Fig. 3 of Somfai et
+    al. 2005."""
     return float(3.2 * packing.height * (packing.pressure / 1e-4) ** (-1 / 6))
 
 
@@ -153,7 +155,7 @@ def find_snapshots(given: Sequence[Input], times: Sequence[float] | None, scene:
         return [Motion(network, u, False, t=times[0] if times else float("nan"))]
     if len(given) > 1:
         if given[1].is_packing:
-            raise usage(f"plot snapshot: 2 files, {given[1].name} must be a table of displacements")
+            raise refuse(given[1].name, "must be a table of displacements")
         return [_of_table(given[1], given[0].packing, False)]
     network = network_for(given[0], scene)
     if network.cell == "periodic":
@@ -162,7 +164,8 @@ def find_snapshots(given: Sequence[Input], times: Sequence[float] | None, scene:
     t = np.array(times or [usual_time(network.packing)])
     u, errors = np.empty((len(t), network.n, network.dof)), np.empty(len(t))
     source = scene._c.signal.source if scene else lib.sp_signal_options_default().source
-    spec = ffi.new("sp_field_options *", {"source": source, "times": len(t), "t": _core.pointer_to(t, "const double *")})
+    at = _core.pointer_to(t, "const double *")
+    spec = ffi.new("sp_field_options *", {"source": source, "times": len(t), "t": at})
     call(lib.sp_signal_field, network._c, spec, _core.pointer_to(u), _core.pointer_to(errors))
     word = _core.words("sp_source")[source]
     return [Motion(network, u[k], False, t=float(t[k]), source=word, error=float(errors[k])) for k in range(len(t))]

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 
 from .._core import Floats
-from .._records import Material
 from ._inputs import Input
 from ._units import label, plain, refuse
 
@@ -35,8 +34,8 @@ class Tapped:
         found = next(((output, abscissa) for output, abscissa, sign in _SIGNS if {abscissa, sign} <= names), None)
         if found is None:
             raise refuse(one.name, "the table is not one of `sonopack column', with columns t y0 y1 ..., tap t y1 ... "
-                                   "density, parameter lambda, parameter tap y1 ..., t mean_longwave ..., t y1 ... rho1 "
-                                   "..., or tap work dissipated ...")
+                                   "density, parameter lambda, parameter tap y1 ..., t mean_longwave ..., t y1 ... "
+                                   "rho1 ..., or tap work dissipated ...")
         self.output, self.abscissa = found
         self.particles, densities = self._run("y"), self._run("rho")
         self._check(densities)
@@ -52,7 +51,8 @@ class Tapped:
         if self.particles == 0 and self.output in ("trajectory", "strobe", "bifurcation"):
             raise refuse(self.one.name, f"the table has no column y1 of numbers; {must}")
         if self.output == "density" and densities != self.particles:
-            raise refuse(self.one.name, f"{self.particles} columns y1, y2, ... and {densities} columns rho1, rho2, ...: must "
+            raise refuse(self.one.name,
+                         f"{self.particles} columns y1, y2, ... and {densities} columns rho1, rho2, ...: must "
                                         f"be equal numbers")
         if self.output == "energy" and "dissipated" not in self.table:
             raise refuse(self.one.name, f"the table has no column dissipated of numbers; {must}")
@@ -86,7 +86,8 @@ class Tapped:
         falls = np.flatnonzero(np.diff(values) <= 0)
         if len(falls):
             k = falls[0] + 1
-            raise refuse(self.one.name, f"row {k + 1}, {self.abscissa} = {values[k]:g} after {values[k - 1]:g}: must rise")
+            raise refuse(self.one.name,
+                         f"row {k + 1}, {self.abscissa} = {values[k]:g} after {values[k - 1]:g}: must rise")
         return values
 
     def setting(self, key: str) -> float:
@@ -104,7 +105,8 @@ class Tapped:
 
     def violated(self) -> str:
         """The warning of a table whose particles did not keep their order; "" if there is none."""
-        found = [re.match(r"warning: ordering \(1\) violated at (\d+) of (\d+) points", one) for one in self.table.comments]
+        words = re.compile(r"warning: ordering \(1\) violated at (\d+) of (\d+) points")
+        found = [words.match(one) for one in self.table.comments]
         return next((f"order (1) violated at {one[1]} of {one[2]} points" for one in found if one), "")
 
 

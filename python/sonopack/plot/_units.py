@@ -98,7 +98,7 @@ def number(value: float, digits: int = 4) -> str:
 
 def measured(value: float, error: float) -> str:
     """A value with its standard error in the last digits, for formulas: 0.166(4), 0.152(17)."""
-    if not 0 < error < 1e300:
+    if not 1e-4 * abs(value) < error < 1e300:
         return f"{value:.3g}"
     places = -math.floor(math.log10(error))
     places = max(places + (round(error * 10**places) < 3), 0)

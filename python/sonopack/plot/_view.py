@@ -20,7 +20,7 @@ from matplotlib.quiver import Quiver
 
 from .._core import Floats, Integers
 from .._packing import Packing
-from ._frame import WIDTH, key, new_figure
+from ._frame import WIDTH, new_figure
 
 GRAIN, RATTLER, RIM, WALL = "#f5f5f5", "#b8b8b8", "#8c8c8c", "#404040"
 LATER, EARLIER = "#e69f00", "#0072b2"  # a light and a dark ink: grey print tells them apart
@@ -36,8 +36,8 @@ PALE = 0.75  # how much of the colour of the farthest grains is white
 
 @dataclasses.dataclass
 class View:
-    """A packing on Axes, whose coordinates are those of the packing [d]. across, rise: the axes of the packing that run to
-    the right (-1: none) and upwards. points: in a diameter d [pt]. shift [n][3]: of grains that moved [d]."""
+    """A packing on Axes, whose coordinates are those of the packing [d]. across, rise: the axes of the packing that run
+    to the right (-1: none) and upwards. points: in a diameter d [pt]. shift [n][3]: of grains that moved [d]."""
 
     ax: Axes
     packing: Packing
@@ -106,7 +106,8 @@ class View:
         self.ax.set(aspect="equal", xlim=(self.left - beside, right + beside), ylim=(-below, self.height + below),
                     xticks=[], yticks=[])
         self.ax.spines[:].set_visible(False)
-        boxes = [(self.left - beside, low, self.span + 2 * beside, wall) for low in (-wall, self.height)] if below else []
+        ends, wide = (-wall, self.height) if below else (), self.span + 2 * beside
+        boxes = [(self.left - beside, low, wide, wall) for low in ends]
         boxes += [(low, -wall, wall, self.height + 2 * wall) for low in (self.left - wall, right)] if beside else []
         for x, y, width, height in boxes:
             self.ax.add_patch(Rectangle((x, y), width, height, fc=WALL, lw=0, zorder=4))
@@ -204,8 +205,8 @@ class View:
                                            linewidths=thin, zorder=1))
 
     def links(self, contacts: npt.NDArray[Any], widths: Floats, colours: npt.ArrayLike) -> LineCollection:
-        """Lines from centre to centre, or to the wall, along the normals of contacts. widths [contacts] of the lines [pt];
-        colours [contacts][3]. Later ones lie on top, in three dimensions nearer ones."""
+        """Lines from centre to centre, or to the wall, along the normals of contacts. widths [contacts] of the lines
+        [pt]; colours [contacts][3]. Later ones lie on top, in three dimensions nearer ones."""
         r, i, j = self.packing.r, contacts["i"], contacts["j"]
         reach = contacts["n"] * (r[i] + np.where(j < 0, 0, r[np.maximum(j, 0)]) - contacts["overlap"])[:, None]
         if self.packing.dim == 1:
@@ -215,8 +216,9 @@ class View:
         start, delta = self.places[i][order], self.project(reach)[order]
         k, step = self.images(np.minimum(start, start + delta), np.maximum(start, start + delta))
         ends = np.stack([start[k] + step, (start + delta)[k] + step], axis=1)
-        return self._add(LineCollection(ends, linewidths=widths[order][k], colors=_pale(np.asarray(colours), far)[order][k],
-                                        capstyle="round", zorder=2))
+        return self._add(LineCollection(ends, linewidths=widths[order][k],
+                                        colors=_pale(np.asarray(colours), far)[order][k], capstyle="round",
+                                        zorder=2))
 
     def arrows(self, grains: Integers, vectors: Floats, colour: str, *, centred: bool = False,
                width: float = 0.8) -> Quiver:
@@ -261,8 +263,8 @@ def _pale(colours: Floats, far: Floats) -> Floats:
 # ---- figures --------------------------------------------------------------------------------------------------------
 
 def views(packing: Packing, ax: Any = None, shift: Floats | None = None) -> list[View]:
-    """One view, or in three dimensions three at one scale: along y, beside it along x, and below the first from above. On
-    new Axes or on those given."""
+    """One view, or in three dimensions three at one scale: along y, beside it along x, and below the first from above.
+    On new Axes or on those given."""
     planes = [(0, 2), (1, 2), (0, 1)] if packing.dim == 3 else [(packing.dim - 2, packing.dim - 1)]
     given = None if ax is None else list(np.ravel(np.asarray(ax, object)))
     found = [View(None if given is None else given[k], packing, *plane, 1.0, shift)  # type: ignore[arg-type]
@@ -277,6 +279,13 @@ def views(packing: Packing, ax: Any = None, shift: Floats | None = None) -> list
     return [view.open() for view in found]
 
 
+def picture(height: float) -> Figure:
+    """A figure as wide as a print column [in], which grows for what is added below."""
+    fig = new_figure((WIDTH, height))
+    fig.set_label("picture")
+    return fig
+
+
 def _lay_out(found: Sequence[View]) -> None:
     """A figure as wide as a print column, with the views at one scale."""
     one = found[0]
@@ -287,8 +296,7 @@ def _lay_out(found: Sequence[View]) -> None:
     across = 2 * MARGIN * len(spans) + 2 * THICK * one.boxed * len(spans) + names * len(spans)
     upwards = 2 * MARGIN * len(heights) + 2 * THICK * len(heights) + names * len(heights)
     points = min((WIDTH * 72 - across) / sum(spans), (TALLEST - upwards) / sum(heights))
-    fig = new_figure((WIDTH, (points * sum(heights) + upwards) / 72))
-    fig.set_label("picture")
+    fig = picture((points * sum(heights) + upwards) / 72)
     grid = fig.add_gridspec(len(heights), len(spans), width_ratios=spans, height_ratios=heights)
     for view, place in zip(found, ((0, 0), (0, 1), (1, 0))):
         view.points = points
@@ -298,8 +306,8 @@ def _lay_out(found: Sequence[View]) -> None:
 def _true_arrow(*, orig_handle: FancyArrow, height: float, **_: Any) -> FancyArrow:
     """The arrow of an entry at its true length."""
     width = orig_handle._width
-    return FancyArrow(0, 0.5 * height, orig_handle._dx, 0, width=width, length_includes_head=True, head_width=3.6 * width,
-                      head_length=4 * width)
+    return FancyArrow(0, 0.5 * height, orig_handle._dx, 0, width=width, length_includes_head=True,
+                      head_width=3.6 * width, head_length=4 * width)
 
 
 def arrow_key(points: float, width: float, colour: str, text: str) -> FancyArrow:
@@ -308,20 +316,26 @@ def arrow_key(points: float, width: float, colour: str, text: str) -> FancyArrow
 
 
 def add_key(found: Sequence[View], entries: Iterable[Any], title: str = "") -> None:
-    """The key below a picture, for which its figure grows; on Axes that were given below these. In two columns if they
-    fit."""
-    ax, fig, entries = found[0].ax, found[0].ax.figure, list(entries)
+    """The key of a picture."""
     if found[0].solid:
         title = "\n".join(filter(None, (title, "grains at half their size, far ones pale")))
+    key_below(found[0].ax, list(entries), title)
+
+
+def key_below(ax: Axes, entries: Sequence[Any], title: str = "") -> None:
+    """A key below a picture, for which its figure grows; on Axes that were given below these. In two columns if they
+    fit."""
+    fig = ax.figure
     own = fig.get_label() == "picture"
     longest = max((one._dx for one in entries if isinstance(one, FancyArrow)), default=0)
     words: dict[str, Any] = {
-        "handles": entries, "title": title or None, "title_fontsize": 7, "alignment": "left", "fontsize": 7, "borderaxespad": 0.2, "handlelength": max(2.2, longest / 7),
+        "handles": entries, "title": title or None, "title_fontsize": 7, "alignment": "left", "fontsize": 7,
+        "borderaxespad": 0.2, "handlelength": max(2.2, longest / 7),
         "handler_map": {FancyArrow: HandlerPatch(_true_arrow)}, "bbox_to_anchor": (0, 0),
         "loc": "lower left" if own else "upper left"}
     for columns in (2, 1):
         box = (fig if own else ax).legend(**words, ncol=columns)
-        extent = box.get_window_extent(fig.canvas.get_renderer())
+        extent = box.get_window_extent()
         if columns == 1 or extent.width <= fig.bbox.width:
             break
         box.remove()
@@ -335,14 +349,15 @@ def add_bar(found: Sequence[View], scale: ScalarMappable, text: str) -> Colorbar
     if fig.get_label() == "picture":
         width, tall = fig.get_size_inches()
         fig.set_size_inches(width, tall + 0.5)
-    made: Colorbar = fig.colorbar(scale, ax=[view.ax for view in found], location="bottom", aspect=30, shrink=0.8, pad=0.02)
+    made: Colorbar = fig.colorbar(scale, ax=[view.ax for view in found], location="bottom", aspect=30, shrink=0.8,
+                                  pad=0.02)
     made.set_label(text)
     return made
 
 
-def grow(fig: Figure, height: float) -> None:
-    """Makes room below a picture [in]."""
+def grow(fig: Figure, below: float, above: float = 0.0) -> None:
+    """Makes room around a picture [in]."""
     width, tall = fig.get_size_inches()
-    taken = fig.get_layout_engine().get()["rect"][1] * tall + height
-    fig.set_size_inches(width, tall + height)
-    fig.set_layout_engine("constrained", rect=(0, taken / (tall + height), 1, 1 - taken / (tall + height)))
+    taken, height = fig.get_layout_engine().get()["rect"][1] * tall + below, tall + below + above
+    fig.set_size_inches(width, height)
+    fig.set_layout_engine("constrained", rect=(0, taken / height, 1, 1 - taken / height))

@@ -28,6 +28,7 @@ def parser() -> Parser:
                description="Draws figures one print column (86 mm) wide, as PNG (300 dpi), SVG or PDF by the ending of "
                            "FIGURE.",
                epilog=_epilog())
+    p._negative_number_matcher = re.compile(r"-[0-9.]")  # --x -1:5 has a value, not one more option
     p.add_argument("kind", metavar="KIND", choices=tuple(KINDS), help="kind of figure")
     p.add_argument("files", metavar="FILE", nargs="*", help="table or packing")
     own = p.add_argument_group("Options of kinds")

@@ -21,7 +21,7 @@ from .packing import rattler_entry, result
 
 LONGEST_MODE = 1.5  # arrow of a mode [mean diameters]
 FARTHEST = 0.5  # how far a grain moves in a movie, over the length of its arrow
-TYPICAL, LENGTH_OF_TYPICAL = 0.70, 0.8  # this fraction of the moving grains has arrows shorter than this [mean diameters]
+TYPICAL, LENGTH_OF_TYPICAL = 0.70, 0.8  # this part of the moving grains has arrows shorter than this [mean diameters]
 LONGEST = 1.7  # arrow of a snapshot [mean diameters]
 MOVING = 0.01  # least displacement of a moving grain, relative to the largest
 CUT = "#d55e00"
@@ -61,11 +61,12 @@ def _same_size(draw: Any, count: int) -> Iterator[Any]:
 # ---- modes ----------------------------------------------------------------------------------------------------------
 
 @styled
-def mode(*data: Any, material: Material | None = None, ax: Any = None, scene: Scene | None = None, mode: int | None = None,
-         frames: int | None = None, table: str | None = None) -> Any:
-    """The displacements of a mode as arrows on the grains, tinted where they rotate. data: a packing, network or Modes, or
-    a packing and a file of `sonopack modes --vectors'. mode: the number, by default of the first that is no zero mode.
-    frames: an iterator over the Axes of so many pictures of one period. table: writes the displacements there, too."""
+def mode(*data: Any, material: Material | None = None, ax: Any = None, scene: Scene | None = None,
+         mode: int | None = None, frames: int | None = None, table: str | None = None) -> Any:
+    """The displacements of a mode as arrows on the grains, tinted where they rotate. data: a packing, network or Modes,
+    or a packing and a file of `sonopack modes --vectors'. mode: the number, by default of the first that is no zero
+    mode. frames: an iterator over the Axes of so many pictures of one period. table: writes the displacements there,
+    too."""
     given = inputs(data, None, material)
     motion = _checked(find_mode(given, mode, scene))
     material = given[0].material
@@ -134,9 +135,9 @@ def _for_view(vectors: Floats, dim: int) -> Floats:
 def snapshot(*data: Any, material: Material | None = None, ax: Any = None, scene: Scene | None = None,
              time: float | None = None, frames: int | None = None, start: float = 0.0, end: float | None = None,
              table: str | None = None) -> Any:
-    """The displacements of the grains as arrows at a time after the pulse, which starts at the bottom wall. data: a packing
-    or network, or this and displacements [n][dof] or a table of them. frames: an iterator over the Axes of so many
-    pictures from start to end. table: writes the displacements there, too."""
+    """The displacements of the grains as arrows at a time after the pulse, which starts at the bottom wall. data: a
+    packing or network, or this and displacements [n][dof] or a table of them. frames: an iterator over the Axes of so
+    many pictures from start to end. table: writes the displacements there, too."""
     given = inputs(data, None, material)
     times = None if time is None else [time]
     if frames is not None:
@@ -159,8 +160,8 @@ def _end(one: Input, end: float | None) -> float:
 
 
 def _arrow_scale(motions: list[Motion]) -> float:
-    """Length of an arrow over its displacement. Localized oscillations near the source are much larger than the wave, so
-    the scale follows most of the grains, in all frames together; 0: nothing moves."""
+    """Length of an arrow over its displacement. Localized oscillations near the source are much larger than the wave,
+    so the scale follows most of the grains, in all frames together; 0: nothing moves."""
     lengths = np.concatenate([np.linalg.norm(_all_axes(one), axis=1) for one in motions])
     moving = np.sort(lengths[(lengths >= MOVING * lengths.max()) & (lengths > 0)])
     if len(moving) == 0:
@@ -205,4 +206,5 @@ def _arrow_entries(view: View, scale: float, material: Material | None, width: f
     one = view.diameter * view.points
     points = one * max(1, np.ceil(10 / one))
     factor, unit = to_si(LENGTH, material)
-    return [arrow_key(points, width, "black", f"= {number(factor * points / view.points / scale, 2)} {unit_text(unit)}")]
+    return [arrow_key(points, width, "black",
+                      f"= {number(factor * points / view.points / scale, 2)} {unit_text(unit)}")]

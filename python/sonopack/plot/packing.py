@@ -54,8 +54,8 @@ def grey_grains(packing: Packing, rattlers: npt.NDArray[np.bool_]) -> Floats:
 
 @styled
 def network(*data: Any, material: Material | None = None, ax: Any = None, scene: Scene | None = None) -> Any:
-    """A packing with its contacts as lines, whose width shows the normal force. Rattlers are dark grey. Packings in three
-    dimensions are drawn in three views: an array of three Axes."""
+    """A packing with its contacts as lines, whose width shows the normal force. Rattlers are dark grey. Packings in
+    three dimensions are drawn in three views: an array of three Axes."""
     return _chains(data, material, ax, scene, "F")
 
 
@@ -105,8 +105,8 @@ SOLID_WIDTH = 0.5  # in three dimensions, relative to that
 #: symbols and units of what `sonopack sensitivity' differentiates
 _SYMBOLS = {"t10": "t_{10}", "t_peak": r"t_\mathrm{peak}", "t_zero": r"t_\mathrm{zero}", "peak": r"F_\mathrm{peak}",
             "width": "w", "F": "F", "cl": "c_l", "ct": "c_t", "c_l": "c_l", "c_t": "c_t"}
-_UNITS = {"t10": TIME, "t_peak": TIME, "t_zero": TIME, "width": TIME, "peak": FORCE, "F": FORCE, "cl": SPEED, "ct": SPEED,
-          "c_l": SPEED, "c_t": SPEED, "omega": "E* / (rho d^2)"}
+_UNITS = {"t10": TIME, "t_peak": TIME, "t_zero": TIME, "width": TIME, "peak": FORCE, "F": FORCE, "cl": SPEED,
+          "ct": SPEED, "c_l": SPEED, "c_t": SPEED, "omega": "E* / (rho d^2)"}
 
 
 def symbol_of(quantity: str) -> str:
@@ -121,9 +121,10 @@ def symbol_of(quantity: str) -> str:
 
 @styled
 def sensitivity(*data: Any, material: Material | None = None, ax: Any = None, scene: Scene | None = None) -> Any:
-    """A packing with what each contact does to a quantity when it becomes stiffer, as the width of its line, which grows
-    as the root, and its colour: orange, the quantity grows; blue, it falls. data: a packing, and a table of `sonopack
-    sensitivity --by kn,kt' or a Gradient (of network.sensitivity()); without these the arrival t10 is computed."""
+    """A packing with what each contact does to a quantity when it becomes stiffer, as the width of its line, which
+    grows as the root, and its colour: orange, the quantity grows; blue, it falls. data: a packing, and a table of
+    `sonopack sensitivity --by kn,kt' or a Gradient (of network.sensitivity()); without these the arrival t10 is
+    computed."""
     given = inputs(data, None, material)
     packing = packing_of(given[0])
     made = given[1] if len(given) > 1 else Input(packing, None, given[0].material)
@@ -159,7 +160,8 @@ def _contact_values(one: Input, packing: Packing, scene: Scene | None,
                             *to_si(_UNITS.get(one.source.of, PRESSURE), material))
     columns = [name for name in ("by_kn", "by_kt") if name in one.table]
     if "contact" not in one.table or not columns:
-        raise refuse(one.name, "no columns contact and by_kn or by_kt, which a table of `sonopack sensitivity --by kn,kt' "
+        raise refuse(one.name,
+                     "no columns contact and by_kn or by_kt, which a table of `sonopack sensitivity --by kn,kt' "
                                "has")
     sums = np.sum([one.column(name) for name in columns], axis=0)
     values = spread(one, one.column("contact"), sums, len(packing.contacts), "contact")
@@ -179,7 +181,8 @@ def spread(one: Input, numbers: Floats, values: Floats, count: int, what: str) -
     """Values of a table for all things of a packing [count]; nan where the table has none."""
     wrong = ~((numbers >= 0) & (numbers < count))
     if np.any(wrong):
-        raise refuse(one.name, f"{what} {numbers[np.argmax(wrong)]:g}, the packing has {count}: the table is of another "
+        raise refuse(one.name,
+                     f"{what} {numbers[np.argmax(wrong)]:g}, the packing has {count}: the table is of another "
                                f"packing")
     if not np.all(np.isfinite(values)):
         raise refuse(one.name, f"row {int(np.argmin(np.isfinite(values))) + 1}: must have finite numbers")
@@ -204,7 +207,8 @@ def grains(*data: Any, material: Material | None = None, ax: Any = None, scene: 
     packing, one = packing_of(given[0]), given[1]
     name = next((name for name in _COLUMNS if name in one.table), None)
     if name is None or "grain" not in one.table:
-        raise refuse(one.name, f"no column {'grain' if name else 'factor, probability, by_mass or by_radius'}: such tables "
+        raise refuse(one.name,
+                     f"no column {'grain' if name else 'factor, probability, by_mass or by_radius'}: such tables "
                                f"come from `sonopack design --rows grains', `coda' and `sensitivity --by mass'")
     values = spread(one, one.column("grain"), one.column(name), packing.n, "grain")
     scale = _scale(one, name, values)

@@ -150,7 +150,9 @@ def pareto(*data: Any, material: Material | None = None, ax: Axes | None = None,
         raise refuse(one.name, f"nothing to draw: no row of case {chosen:.80} has a time and an error, must be as in the "
                                f"column case")
     ax = panels(ax=ax, aspect=0.9)[0, 0]
-    _frontier(ax, error[there], seconds[there])
+    low, high = error[there].min(), error[there].max()
+    beyond = 10 ** max(0.6, 1 - 0.5 * np.log10(high / low))
+    _frontier(ax, error[there], seconds[there], high * beyond)
     counts = {False: 0, True: 0}
     for method in dict.fromkeys(methods[there]):
         rival, mine = " " in method, there & (methods == method)
@@ -158,18 +160,16 @@ def pareto(*data: Any, material: Material | None = None, ax: Axes | None = None,
         counts[rival] += 1
         points(ax, error[mine][order], seconds[mine][order], hollow=rival, color=INKS[1 + k % 6], marker=mark(k + k // 4),
                ls=dash(2), lw=0.6, label=plain(method))
-    low, high = error[there].min(), error[there].max()
-    beyond = 10 ** max(0.6, 1 - 0.5 * np.log10(high / low))
     ax.set(xscale="log", yscale="log", xlim=(low / beyond, high * beyond), ylabel="CPU time  [s]")
     ax.set_xlabel(f"relative error  ({plain(chosen.rpartition('.')[0] if ':' in chosen and '.' in chosen else chosen)})")
     legend(ax)
     return ax
 
 
-def _frontier(ax: Axes, error: Floats, seconds: Floats) -> None:
-    """A staircase from the most accurate run to the fastest one, and on to the edge of the figure."""
+def _frontier(ax: Axes, error: Floats, seconds: Floats, end: float) -> None:
+    """A staircase from the most accurate run to the fastest one, and on to `end`, the edge of the figure."""
     order = np.lexsort((seconds, error))
     least = np.minimum.accumulate(seconds[order])
     best = np.r_[True, least[1:] < least[:-1]]
     x, y = error[order][best], least[best]
-    ax.step(np.r_[x, 1e300], np.r_[y, y[-1]], where="post", color=GREY, lw=0.8)
+    ax.step(np.r_[x, end], np.r_[y, y[-1]], where="post", color=GREY, lw=0.8)

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from .._command import Failed, usage
 from .._core import Floats
 from .._records import Material
-from ._frame import dash, ink, key, legend, mark, panels, points
+from ._frame import dash, ink, legend, mark, panels, points
 from ._frame import styled
 from ._inputs import inputs
 from ._surfaces import draw_surfaces
@@ -56,8 +56,8 @@ def _apart(tables: Sequence[Tapped]) -> Failed:
     one, two = next(((a, b) for a in range(len(suit)) for b in range(a + 1, len(suit))
                      if suit[a] != suit[b] or suit[a] == 2 or tables[a].output == tables[b].output), (0, 1))
     return refuse(tables[0].one.name, f"table {one + 1} is {KINDS[tables[one].output]} and table {two + 1} "
-                                      f"{KINDS[tables[two].output]}: they make no figure together; must be trajectories, "
-                                      f"densities, or a bifurcation and a Lyapunov table")
+                                      f"{KINDS[tables[two].output]}: they make no figure together; must be "
+                                      f"trajectories, densities, or a bifurcation and a Lyapunov table")
 
 
 def _tagged(axes: Sequence[Axes]) -> None:
@@ -111,8 +111,8 @@ _DIFFERENCES = {"mean_longwave": "long wave, mean", "max_longwave": "long wave, 
 
 
 def _compare(s: Tapped, ax: Any) -> Axes:
-    """Differences of the continua from the lattice. Where their sizes differ much, on a logarithmic axis, which cannot show
-    that both start from the lattice."""
+    """Differences of the continua from the lattice. Where their sizes differ much, on a logarithmic axis, which cannot
+    show that both start from the lattice."""
     t = s.time()
     curves = {name: s[name] for name in _DIFFERENCES if name in s and any_finite(s[name])}
     if not curves:
@@ -122,11 +122,11 @@ def _compare(s: Tapped, ax: Any) -> Axes:
     ax = panels(ax=ax)[0, 0]
     for name, y in curves.items():
         largest = name.startswith("max")
-        ax.plot(t, np.where(y > 0, y, np.nan) if wide else y, color=ink(1 + name.endswith("bsr")), ls=dash(int(largest)),
-                lw=0.7 if largest else 1.0, label=_DIFFERENCES[name])
+        ax.plot(t, np.where(y > 0, y, np.nan) if wide else y, color=ink(1 + name.endswith("bsr")),
+                ls=dash(int(largest)), lw=0.7 if largest else 1.0, label=_DIFFERENCES[name])
     ax.set(xlim=(t[0], t[-1]), yscale="log" if wide else "linear", xlabel=s.label("$t$", "t"),
            ylabel=s.label("difference from the lattice", next(iter(curves))))
-    legend(ax, ncol=2)
+    legend(ax)
     return ax
 
 
@@ -146,7 +146,8 @@ def _density(s: Tapped, ax: Any) -> Any:
         axes[0].plot(y[row], rho[row], color=ink(k), ls=dash(k), marker=mark(k) if s.particles <= PROFILE_MARKS else "",
                      mfc="white" if k % 2 else None, lw=0.8, label=text)
     for k, particle in enumerate(sorted({1, (s.particles + 1) // 2, s.particles})):
-        axes[1].plot(t, rho[:, particle - 1], color=ink(1 + k), ls=dash(int(k == 1)), lw=0.7, label=f"particle {particle}")
+        axes[1].plot(t, rho[:, particle - 1], color=ink(1 + k), ls=dash(int(k == 1)), lw=0.7,
+                     label=f"particle {particle}")
     axes[0].set_xlabel(s.label("height $y$", "y1"))
     axes[1].set(xlabel=s.label("$t$", "t"), xlim=(t[0], t[-1]))
     for one in axes:
@@ -157,12 +158,12 @@ def _density(s: Tapped, ax: Any) -> Any:
 
 
 def _profile_rows(s: Tapped, t: Floats) -> list[tuple[int, int]]:
-    """The first row and those at .99T, 1.99T, ...; of many taps the first, the last and some in between. Without a known
-    period evenly spaced ones. Rows, and numbers of taps, 0 if unknown."""
+    """The first row and those at .99T, 1.99T, ...; of many taps the first, the last and some in between. Without a
+    known period evenly spaced ones. Rows, and numbers of taps, 0 if unknown."""
     period = s.setting("period")
     known = np.isfinite(period)
     taps = int((t[-1] - t[0]) / period + 0.02) if known else PROFILES - 1
-    numbers = range(1, taps + 1) if taps < PROFILES else np.unique(np.round(np.linspace(1, taps, PROFILES - 1)).astype(int))
+    numbers = np.unique(np.round(np.linspace(1, taps, min(taps, PROFILES - 1))).astype(int))
     if known:
         wanted = {int(np.argmin(np.abs(t - t[0] - (tap - 0.01) * period))): int(tap) for tap in numbers}
         whole = abs(t[0]) < 1e-9 * period
@@ -201,7 +202,7 @@ def _strobe(s: Tapped, ax: Any) -> Any:
     _taps_axis(axes, s, taps)
     axes[0].set_ylabel(s.label("density", "density"))
     axes[1].set_ylabel(s.label(f"$y - y$(tap {taps[0]:.0f})", "y1"))
-    legend(axes[1], ncol=2)
+    legend(axes[1])
     _tagged(axes)
     return axes
 
@@ -211,12 +212,13 @@ _ENERGIES = {"kept": ("work", "work \N{MINUS SIGN} dissipated"), "rest": ("rest"
 
 
 def _energy(s: Tapped, ax: Any) -> Any:
-    """Energies of the taps. The column keeps so little of the work that work and dissipation look equal on one scale, so
-    their difference is drawn, too."""
+    """Energies of the taps. The column keeps so little of the work that work and dissipation look equal on one scale,
+    so their difference is drawn, too."""
     taps, work, lost = s["tap"], s["work"], s["dissipated"]
     if not any_finite(taps) or not any_finite(work, lost):
         raise refuse(s.one.name, "nothing to draw: no energy is finite")
-    values = {name: work - lost if name == "kept" else s[column] for name, (column, _) in _ENERGIES.items() if column in s}
+    shown = {name: column for name, (column, _) in _ENERGIES.items() if column in s}
+    values = {name: work - lost if name == "kept" else s[column] for name, column in shown.items()}
     values = {name: y for name, y in values.items() if any_finite(y)}
     axes = panels(1 + len(values), 1, ax=ax, aspect=0.5)[:, 0]
     marked = len(taps) <= MARKED_MOST
@@ -250,12 +252,14 @@ def _diagram(bifurcation: Tapped | None, lyapunov: Tapped | None, column: str, a
         (_bifurcation if s is bifurcation else _exponents)(one, s, x, column)
         one.set(xlim=(low - margin, high + margin), xlabel=given[0].parameter())
     if not low < high:
-        raise refuse(given[0].one.name, f"nothing to draw: only one value of the parameter, {low:g}; must be two or more")
+        raise refuse(given[0].one.name,
+                     f"nothing to draw: only one value of the parameter, {low:g}; must be two or more")
     if len(given) > 1:
         _tagged(axes)
     notes = [one.violated() for one in given]
     if any(notes):
-        told = notes[:1] if len(set(notes)) == 1 else [f"({letter}): {note}" for letter, note in zip("ab", notes) if note]
+        each = [f"({letter}): {note}" for letter, note in zip("ab", notes) if note]
+        told = notes[:1] if len(set(notes)) == 1 else each
         axes[0].figure.supxlabel("\n".join(told if len(given) > 1 else notes), fontsize=6.5, x=0.02, ha="left")
     return axes if len(axes) > 1 else axes[0]
 
@@ -273,7 +277,7 @@ def _bifurcation(ax: Axes, s: Tapped, x: Floats, column: str) -> None:
         raise usage(f"--column {column:.40}: the table has no such positions, must be y1 to y{s.particles}")
     if not any_finite(s[column]):
         raise refuse(s.one.name, "nothing to draw: no position is finite")
-    ax.plot(x, s[column], ls="none", marker=".", ms=1.2, mew=0, color=ink(1), rasterized=len(x) > 20000)
+    ax.plot(x, s[column], ls="none", marker=".", ms=1.6, mew=0, color=ink(1), rasterized=len(x) > 20000)
     ax.set_ylabel(s.label(f"$y_{{{column[1:]}}}$ after a tap", column))
 
 
@@ -283,7 +287,7 @@ def _exponents(ax: Axes, s: Tapped, x: Floats, _: str) -> None:
     values, few = s["lambda"], len(x) <= MARKED_MOST
     if not any_finite(values):
         raise refuse(s.one.name, "nothing to draw: no Lyapunov exponent is finite")
-    points(ax, x, values, np.abs(s["error"]) if few and "error" in s else None, color=ink(1), marker="o" if few else ".",
-           ms=3 if few else 2.5)
+    points(ax, x, values, np.abs(s["error"]) if few and "error" in s else None, color=ink(1),
+           marker="o" if few else ".", ms=3 if few else 2.5)
     ax.axhline(0, color="0.6", lw=0.5, zorder=0)
     ax.set_ylabel(s.label(r"$\lambda$", "lambda"))
