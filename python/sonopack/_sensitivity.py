@@ -26,7 +26,7 @@ class Gradient:
     """Derivatives of one quantity, by the parameters themselves: the command's by_kn is by a logarithm, kn times this.
     Those not asked for are None. Made by network.sensitivity().
 
-    of: the name of the quantity
+    of: the word of the quantity
     value, error: the quantity, and the bound of its error
     kn, kt: by the stiffness of each spring [springs]
     mass, radius: by those of each grain of the network [n]

@@ -17,19 +17,20 @@ PAPERS = {"somfai2005": "somfai", "blackmore2011": "blackmore"}
 PROTOCOLS = ("default", "somfai2005", "quick", "affine")
 
 _ABOUT = (
-    "Computes the results of a paper and compares them with the printed values. somfai2005: E. Somfai, J.-N. Roux, J. H. "
-    "Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 (2005), with newly compressed packings. "
-    "blackmore2011: D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. Mater. Struct. 6 (2011), on the "
-    "tapped column.")
+    "Computes the results of a paper and compares them with the printed values. somfai2005: E. Somfai, J.-N. Roux, J. "
+    "H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 (2005), with newly compressed packings. "
+    "blackmore2011: D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. Mater. Struct. 6 (2011), "
+    "on the tapped column.")
 _MORE = """\
 With -o FOLDER a report is written, report.html and report.md, with all figures and their numbers.
 
 somfai2005 prints one row per value: mean and standard deviation in the paper, our mean and its standard error, the
-difference in standard deviations (sigma), and the verdict: agrees (within one standard deviation), deviates, or missing
-(no value or no scatter). deviation_err is the difference divided by the standard errors of both means and the rounding
-in print. Comments count both, with chi^2 and with systematic differences. Statements in words hold, are contradicted or
-undecided. Items: table1 to table5, fig1 to fig12, claims; only the samples that they need are computed. The samples stay
-in the store: an interrupted run continues where it stopped, and further samples or items reuse what is there.
+difference in standard deviations (sigma), and the verdict: agrees (within one standard deviation), deviates, or
+missing (no value or no scatter). deviation_err is the difference divided by the standard errors of both means and the
+rounding in print. Comments count both, with chi^2 and with systematic differences. Statements in words hold, are
+contradicted or undecided. Items: table1 to table5, fig1 to fig12, claims; only the samples that they need are
+computed. The samples stay in the store: an interrupted run continues where it stopped, and further samples or items
+reuse what is there.
 
 blackmore2011 prints one row per value: what is printed or follows from it, our value with its error, the verdict
 (agrees, deviates, erratum, not given; for statements holds, contradicted, undecided), and the reason. Items: errata,
@@ -55,10 +56,11 @@ def parser() -> Parser:
     own.add_argument("--figures", choices=("svg", "png", "pdf"), default="svg", help="format of the figures (svg)")
     own.add_argument("--protocol", choices=PROTOCOLS,
                      help="somfai2005: how packings are compressed, as packing.protocol: default; somfai2005, the same "
-                          "motion, damped until the end; or quick and affine, with other materials, several times faster. "
-                          "Lattices of unequal balls always use the default")
+                          "motion, damped until the end; or quick and affine, with other materials, several times "
+                          "faster. Lattices of unequal balls always use the default")
     own.add_argument("--dry-run", action="store_true",
-                     help="make and write nothing: print what would be made, and what CPU time, memory and disk it would take")
+                     help="make and write nothing: print what would be made, and what CPU time, memory and disk it "
+                          "would take")
     return own
 
 
@@ -69,7 +71,8 @@ def chosen(paper: str, only: str | None) -> set[str]:
     for name in names:
         if name not in items:
             near = difflib.get_close_matches(name, items, 1)
-            raise usage(f"--only {name:.60}: {f'did you mean {near[0]}? ' if near else ''}must be one of {', '.join(items)}")
+            raise usage(f"--only {name:.60}: {f'did you mean {near[0]}? ' if near else ''}must be one of "
+                        f"{', '.join(items)}")
     return set(names)
 
 
@@ -115,7 +118,8 @@ def _reproduce(arguments: argparse.Namespace, wanted: set[str]) -> Table:
     except (Stopped, Interrupted):
         work.watch.clear()
         raise Stopped("stopped, and nothing was saved" if column else
-                      f"stopped: all finished samples are in {arguments.store}, and the same command continues") from None
+                      f"stopped: all finished samples are in {arguments.store}, and the same command "
+                      "continues") from None
     work.watch.clear()
     table: Table = paper.table(work)
     if work.folder:

@@ -45,7 +45,8 @@ class Plan:
         self.note(what, number, cpu, wall, 1e-6 * (PROGRAM + memory), 1e-6 * on_disk)
 
     def note(self, what: str, number: int, *costs: float) -> None:
-        """A row as it stands; without costs one that costs nothing. Three digits: more would claim what is not known."""
+        """A row as it stands; without costs one that costs nothing. Three digits: more would claim what is not
+        known."""
         self.rows.append((what, number, *(float(f"{cost:.3g}") for cost in costs or (0.0,) * 4)))
 
     def table(self) -> Table:
@@ -70,8 +71,10 @@ def table(arguments: argparse.Namespace, wanted: set[str]) -> Table:
     chosen, drawn = [name for name in items if not wanted or name in wanted], arguments.output is not None
     if packings:
         _ensembles(plan, arguments, chosen, drawn)
-    seconds = sum(float(items[name]["seconds_drawn" if drawn else "seconds"]) for name in chosen) * plan.machine.slower[0]
-    plan.add("items and figures" if drawn else "items", len(chosen), seconds, seconds, 1e7, 4e5 * len(chosen) if drawn else 0)
+    seconds = sum(float(items[name]["seconds_drawn" if drawn else "seconds"])
+                  for name in chosen) * plan.machine.slower[0]
+    plan.add("items and figures" if drawn else "items", len(chosen), seconds, seconds, 1e7,
+             4e5 * len(chosen) if drawn else 0)
     return plan.table()
 
 

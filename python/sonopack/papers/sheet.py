@@ -55,7 +55,8 @@ class Curve:
     def draw(self, ax: Axes) -> Any:
         """Draws it, and returns what the legend shows."""
         colour = GREY if self.ink < 0 else ink(self.ink)
-        look: dict[str, Any] = {"color": colour, "lw": self.width, "ls": "none" if self.dash is None else dash(self.dash),
+        look: dict[str, Any] = {"color": colour, "lw": self.width,
+                                "ls": "none" if self.dash is None else dash(self.dash),
                                 "marker": self.mark or None, "label": formula(self.label) or None}
         if self.open:
             look["mfc"] = "white"
@@ -74,8 +75,8 @@ class Curve:
 
 @dataclasses.dataclass
 class Panel:
-    """Axes with curves. log: "x", "y" or "xy". zero: a thin line at y = 0. room: width and height of an inset, as parts of
-    the panel around it."""
+    """Axes with curves. log: "x", "y" or "xy". zero: a thin line at y = 0. room: width and height of an inset, as parts
+    of the panel around it."""
 
     curves: list[Curve]
     xlabel: str
@@ -121,7 +122,8 @@ class Panel:
 
 def _tag(ax: Axes, text: str) -> None:
     """The tag of a panel in a corner where it hides nothing, else in the upper left one."""
-    corners = ((0.02, 0.97, "left"), (0.98, 0.97, "right"), (0.02, 0.03, "left"), (0.98, 0.03, "right"), (0.02, 0.97, "left"))
+    corners = ((0.02, 0.97, "left"), (0.98, 0.97, "right"), (0.02, 0.03, "left"), (0.98, 0.03, "right"),
+               (0.02, 0.97, "left"))
     ax.figure.draw_without_rendering()
     for x, y, side in corners:
         shown = ax.text(x, y, text, transform=ax.transAxes, va="top" if y > 0.5 else "bottom", ha=side, fontsize=8)

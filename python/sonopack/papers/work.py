@@ -34,8 +34,8 @@ class Section:
 
 
 class Work:
-    """The work on the items of one paper that are asked for. folder: of the report, its figures and tables; "" for none.
-    figures: their format."""
+    """The work on the items of one paper that are asked for. folder: of the report, its figures and tables; "" for
+    none. figures: their format."""
 
     def __init__(self, paper: str, signature: str, wanted: set[str], watch: Watch, folder: str, figures: str) -> None:
         self.items = published.by_key(paper, "items", "name")

@@ -1,5 +1,5 @@
-"""sonopack reproduce: rows with verdicts, a report whose links hold, only what is asked for, nothing made twice, stopping, what
-is refused."""
+"""sonopack reproduce: rows with verdicts, a report whose links hold, only what is asked for, nothing made twice,
+stopping, what is refused."""
 import csv
 import html.parser
 import io
@@ -32,9 +32,11 @@ def rows_of(text):
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A store with one sample of each combination, quickly compressed, and the report on some items: folder and table."""
+    """A store with one sample of each combination, quickly compressed, and the report on some items: folder and
+    table."""
     folder = tmp_path_factory.mktemp("somfai")
-    done = run("somfai2005", "--only", ",".join(SOME), "--samples", 1, "--store", folder / "store", "-o", folder / "report",
+    done = run("somfai2005", "--only", ",".join(SOME), "--samples", 1, "--store", folder / "store", "-o",
+               folder / "report",
                "--jobs", 2, "--protocol", "quick")
     return folder, done.stdout
 
@@ -102,9 +104,11 @@ def test_report(made):
 
 
 @pytest.mark.parametrize("name, columns, least", [
-    ("fig1ab", "i j x_i y_i x_contact y_contact Fn kn", 500), ("fig1c", "x forces forces_err stiffnesses stiffnesses_err", 10),
+    ("fig1ab", "i j x_i y_i x_contact y_contact Fn kn", 500), ("fig1c", "x forces forces_err stiffnesses "
+                                                                        "stiffnesses_err", 10),
     ("fig3", "grain x y radius u_x u_y angle", 500),
-    ("fig8", "panel curve label x y error lower upper", 30), ("fig12", "panel curve label x y error lower upper", 2000)])
+    ("fig8", "panel curve label x y error lower upper", 30), ("fig12", "panel curve label x y error lower "
+                                                                       "upper", 2000)])
 def test_numbers_of_figures(made, name, columns, least):
     text = (made[0] / "report" / f"{name}.tsv").read_text()
     rows = rows_of(text)
@@ -125,7 +129,8 @@ def test_nothing_twice(made, quick, tmp_path):
 
 def test_other_forms(quick, tmp_path):
     table = quick("--only", "table1", "--samples", 1, "--format", "csv").stdout
-    assert len(list(csv.reader(io.StringIO("".join(line + "\n" for line in table.splitlines() if line[0] != "#"))))) == 41
+    assert len(list(csv.reader(io.StringIO("".join(line + "\n"
+                                                   for line in table.splitlines() if line[0] != "#"))))) == 41
     assert json.loads(quick("--only", "fig12", "--format", "json").stdout)
     for format, head in (("pdf", b"%PDF"), ("png", b"\x89PNG")):
         quick("--only", "fig12", "-o", tmp_path / format, "--figures", format)
@@ -136,7 +141,8 @@ def test_other_forms(quick, tmp_path):
 def test_stopped(tmp_path):
     """Ctrl-C ends with what is done; the same command continues, and the unfinished report makes no fuss."""
     store, out = tmp_path / "store", tmp_path / "report"
-    command = [os.environ["SONOPACK"], "reproduce", "somfai2005", "--only", "table2", "--samples", "20", "--store", str(store),
+    command = [os.environ["SONOPACK"], "reproduce", "somfai2005", "--only", "table2", "--samples", "20", "--store",
+               str(store),
                "-o", str(out), "--jobs", "1", "--protocol", "quick"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     until = time.monotonic() + 60
@@ -156,7 +162,8 @@ def test_stopped(tmp_path):
 def test_column():
     done = run("blackmore2011", "--only", "errata,fig1,symbols")
     rows = {(row["equation"], row["quantity"]): row for row in rows_of(done.stdout)}
-    for place, ours in ((("(26)", "equations for the 5 unknowns"), 5), (("(27)", "overlap of particles 4 and 5 at rest"), 0.1),
+    for place, ours in ((("(26)", "equations for the 5 unknowns"), 5), (("(27)", "overlap of particles 4 and 5 at "
+                                                                                 "rest"), 0.1),
                         (("(38)", "A(-) at chi(0) = 1/2, alpha = 1/h"), 6.5), (("(44)", "integral of Theta"), 1),
                         (("(31)", "acceleration when the upper contact is open"), 1961.34)):
         assert float(rows[place]["ours"]) == pytest.approx(ours) and rows[place]["verdict"] == "erratum"
@@ -191,23 +198,29 @@ def test_plan(tmp_path):
 
 
 def test_plan_of_a_store(made):
-    done = run("somfai2005", "--only", "table1", "--samples", 1, "--store", made[0] / "store", "--protocol", "quick", "--dry-run")
+    done = run("somfai2005", "--only", "table1", "--samples", 1, "--store", made[0] / "store", "--protocol", "quick",
+               "--dry-run")
     assert "600 grains: samples in the store\t4\t" in done.stdout and "packings" not in done.stdout
 
 
 # ---- what is refused ------------------------------------------------------------------------------------------------
 
 REFUSED = [
-    (["--store", "S"], "somfai2005 blackmore2011"), (["somfai2005"], "--store"), (["somfai2004", "--store", "S"], "somfai2005"),
+    (["--store", "S"], "somfai2005 blackmore2011"), (["somfai2005"], "--store"), (["somfai2004", "--store", "S"],
+                                                                                  "somfai2005"),
     (["somfai2005", "somfai2005", "--store", "S"], ""), (["somfai2005", "--store", "S", "--only", "tabel1"], "table1"),
-    (["somfai2005", "--store", "S", "--only", "fig13"], "fig1"), (["somfai2005", "--store", "S", "--only", ""], "table1"),
-    (["somfai2005", "--store", "S", "--only", "moduli"], ", ".join(ITEMS)), (["somfai2005", "--store", "S", "--only", "fig1,"], "fig1"),
+    (["somfai2005", "--store", "S", "--only", "fig13"], "fig1"), (["somfai2005", "--store", "S", "--only", ""],
+                                                                  "table1"),
+    (["somfai2005", "--store", "S", "--only", "moduli"],
+     ", ".join(ITEMS)), (["somfai2005", "--store", "S", "--only", "fig1,"], "fig1"),
     (["blackmore2011", "--only", "fig9"], "errata fig1"), (["somfai2005", "--store", "S", "--jobs", "0"], "--jobs"),
     (["somfai2005", "--store", "S", "--figures", "gif"], "svg png pdf"),
     (["somfai2005", "--store", "S", "--protocol", "slow"], "default somfai2005 quick"),
-    (["somfai2005", "--store", "S", "--set", "packing.grains=10"], "--set"), (["blackmore2011", "--units", "si"], "--units"),
+    (["somfai2005", "--store", "S", "--set", "packing.grains=10"], "--set"), (["blackmore2011", "--units", "si"],
+                                                                              "--units"),
     *((["somfai2005", "--store", "S", "--samples", n], "--samples") for n in ("0", "-1", "2.5", "nan", "100001", "")),
-    (["blackmore2011", "-o", "file"], "file"), (["blackmore2011", "-o", ""], "folder"), (["blackmore2011", "-o", "full"], "full"),
+    (["blackmore2011", "-o", "file"], "file"), (["blackmore2011", "-o", ""],
+                                                "folder"), (["blackmore2011", "-o", "full"], "full"),
     (["blackmore2011", "-o", "full", "--force"], "full"), (["blackmore2011", "-o", "report"], "--force")]
 
 
@@ -224,7 +237,8 @@ def test_refused(sonopack, tmp_path, words, says):
 
 
 @pytest.mark.parametrize("words, says", [
-    (["somfai2005", "--only", "fig12", "--store", "file"], "file"), (["blackmore2011", "-o", "file/below"], "file/below")])
+    (["somfai2005", "--only", "fig12", "--store", "file"], "file"), (["blackmore2011", "-o", "file/below"],
+                                                                     "file/below")])
 def test_failed(sonopack, tmp_path, words, says):
     (tmp_path / "file").write_text("not a folder")
     assert says in sonopack("reproduce", *words, status=1).stderr

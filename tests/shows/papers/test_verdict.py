@@ -16,12 +16,16 @@ NAN = math.nan
 
 
 @pytest.mark.parametrize("relation, limit, within, ours, err, verdict", [
-    ("<", 1.1, NAN, 1.0, 0.04, "holds"), ("<", 1.1, NAN, 1.0, 0.06, "undecided"), ("<", 1.1, NAN, 1.15, 0.03, "undecided"),
-    ("<", 1.1, NAN, 1.21, 0.03, "contradicted"), (">", 1, NAN, 1.4, 0.04, "holds"), (">", 1, NAN, 0.9, 0.04, "contradicted"),
-    ("=", -1, 0.01, -0.999, 0, "holds"), ("=", -1, 0.01, -1.02, 0, "contradicted"), ("=", 0, 0.01, 0.009, 0.002, "undecided"),
+    ("<", 1.1, NAN, 1.0, 0.04, "holds"), ("<", 1.1, NAN, 1.0, 0.06, "undecided"), ("<", 1.1, NAN, 1.15, 0.03,
+                                                                                   "undecided"),
+    ("<", 1.1, NAN, 1.21, 0.03, "contradicted"), (">", 1, NAN, 1.4, 0.04, "holds"), (">", 1, NAN, 0.9, 0.04,
+                                                                                     "contradicted"),
+    ("=", -1, 0.01, -0.999, 0, "holds"), ("=", -1, 0.01, -1.02, 0, "contradicted"), ("=", 0, 0.01, 0.009, 0.002,
+                                                                                     "undecided"),
     ("<", 1, NAN, 0.5, NAN, "missing"), ("<", 1, NAN, NAN, 0, "missing")])
 def test_claims_of_packings(relation, limit, within, ours, err, verdict):
-    row = judged(Row("claims", "x", paper=limit, paper_sd=within, scatter="claim", relation=relation, ours=ours, err=err))
+    row = judged(Row("claims", "x", paper=limit, paper_sd=within, scatter="claim", relation=relation, ours=ours,
+                     err=err))
     assert row.verdict == verdict and math.isnan(row.sigma)
 
 
@@ -49,7 +53,8 @@ def test_means():
 
 
 @pytest.mark.parametrize("off, systematic, side", [
-    ((2, 2, 2), True, 1), ((1, 1, 1), False, 1), ((-2, -2, -2.5), True, -1), ((3, -3, 3), True, 0), ((3, -1, 3), False, 0),
+    ((2, 2, 2), True, 1), ((1, 1, 1), False, 1), ((-2, -2, -2.5), True, -1), ((3, -3, 3), True, 0), ((3, -1, 3), False,
+                                                                                                     0),
     ((9, 9), False, 1)])
 def test_systematic_differences(off, systematic, side):
     rows = [judged(Row("table1", "x", paper=1, paper_sd=0.3 * 30**0.5, ours=1 + 0.5 * each, err=0.4)) for each in off]
@@ -67,7 +72,8 @@ def test_systematic_differences(off, systematic, side):
     ("claim", "=", 0, 0.01, 10.3, 0.8, "contradicted"), ("value", "=", 2.4, 0.02, 2.41, 0, "agrees"),
     ("value", "=", 2.4, 0.02, 2.5, 0, "deviates"), ("value", ">", 0, 0, -1, NAN, "deviates"),
     ("value", "=", NAN, 0, 1, 0, "not given"), ("erratum", "=", 50, 0, 1, 0, "erratum"),
-    ("erratum", "=", 1, 0, 1, 0, "agrees"), ("erratum", "=", NAN, 0, 1, 0, "erratum"), ("value", "=", 1, 0, NAN, 0, "missing")])
+    ("erratum", "=", 1, 0, 1, 0, "agrees"), ("erratum", "=", NAN, 0, 1, 0, "erratum"), ("value", "=", 1, 0, NAN, 0,
+                                                                                        "missing")])
 def test_claims_of_the_column(kind, relation, paper, precision, ours, err, verdict):
     assert Claim("claims", "(1)", "x", "", relation, paper, precision, ours, err, kind, "").verdict == verdict
 
@@ -92,7 +98,8 @@ def test_no_text_is_markup():
 def test_published_tables():
     """Every row has its cells, an item that exists, and numbers where numbers must be."""
     assert len(published.table("somfai", "tables")) == 92
-    for paper, names in (("somfai", ("tables", "stated", "claims", "ensembles", "items")), ("blackmore", ("rows", "items"))):
+    for paper, names in (("somfai", ("tables", "stated", "claims", "ensembles", "items")),
+                         ("blackmore", ("rows", "items"))):
         for name in names:
             rows = published.table(paper, name)
             assert rows and all(None not in row and None not in row.values() for row in rows), (paper, name)
@@ -117,4 +124,5 @@ def test_numbers():
     assert (fit.slope, fit.intercept) == (2, 1) and fit.err == pytest.approx(0.1 / 2**0.5)
     assert math.isnan(line([1], [1], [0]).slope)
     j = bessel(10.0, 4)  # Abramowitz and Stegun, Table 9.1
-    assert j == pytest.approx([-0.2459357644513483, 0.0434727461688614, 0.2546303136851206, 0.0583793793051868], abs=1e-14)
+    assert j == pytest.approx([-0.2459357644513483, 0.0434727461688614, 0.2546303136851206, 0.0583793793051868],
+                              abs=1e-14)

@@ -1,5 +1,5 @@
-"""Blackmore et al. (2011) on the tapped column, called [B]: its errata, figures, theorems and claims. Equation numbers are
-those of [B], units cm, g and s."""
+"""Blackmore et al. (2011) on the tapped column, called [B]: its errata, figures, theorems and claims. Equation numbers
+are those of [B], units cm, g and s."""
 from __future__ import annotations
 
 import importlib

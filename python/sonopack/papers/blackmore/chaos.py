@@ -18,11 +18,12 @@ from .rows import add
 SETTLED = 400  # taps; N = 1, T = 0.2 s: |multiplier| = 0.83, after these only the fixed point is left
 EXPONENTS, POINTS, SHOWN, AVERAGED = 96, 240, 40, 300
 _CONCLUSION = (
-    "One particle can be chaotic, as Theorem 1 has it, for large amplitudes and for short periods. With K = 2 N m g/r as in "
-    "Fig. 1 the floor then passes through the particle's centre, against (1), and from rest the shortest period of all, that "
-    "of the tap itself, is not chaotic. With K = 100 m g/r the order holds at most points, not at short periods and the "
-    "largest amplitudes, and there is chaos where it holds, as at the points of the largest lambda. Exponents of chaotic "
-    f"orbits are averages over {AVERAGED} taps, their errors the change from the first half of these.")
+    "One particle can be chaotic, as Theorem 1 has it, for large amplitudes and for short periods. With K = 2 N m g/r "
+    "as in Fig. 1 the floor then passes through the particle's centre, against (1), and from rest the shortest period "
+    "of all, that of the tap itself, is not chaotic. With K = 100 m g/r the order holds at most points, not at short "
+    "periods and the largest amplitudes, and there is chaos where it holds, as at the points of the largest lambda. "
+    f"Exponents of chaotic orbits are averages over {AVERAGED} taps, their errors the change from the first half of "
+    "these.")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -103,9 +104,9 @@ def _exponents(work: Work, scan: Scan, table: Table) -> None:
         return
     low, high = float(at[chaotic].min()), float(at[chaotic].max())
     work.say("chaos",
-             f"N = 1, K = {scan.stiffness:g} m g/r, through {scan.over} from {scan.low:.3g} to {scan.high:g} {scan.unit}: "
-             f"chaos at {len(chaotic)} of {len(lam)} values, between {low:.3f} and {high:.3f} {scan.unit}, with lambda up to "
-             f"{lam[best]:.3f} a tap.")
+             f"N = 1, K = {scan.stiffness:g} m g/r, through {scan.over} from {scan.low:.3g} to {scan.high:g} "
+             f"{scan.unit}: chaos at {len(chaotic)} of {len(lam)} values, between {low:.3f} and {high:.3f} "
+             f"{scan.unit}, with lambda up to {lam[best]:.3f} a tap.")
     if scan.over == "a":
         add(work, "onset", low, (scan.high - scan.low) / (EXPONENTS - 1), all=len(lam), **words)
     else:
@@ -124,6 +125,6 @@ def _show(work: Work, scan: Scan, exponents: Table) -> None:
     work.save_table(f"{scan.name}-lambda", exponents)
     work.save_table(f"{scan.name}-orbits", orbits)
     work.draw("chaos", scan.name,
-              f"One particle, K = {scan.stiffness:g} m g/r: its position at .99T of {SHOWN} taps over the {scan.parameter}, "
-              f"and the Lyapunov exponent{f'; {more}, the centre below the floor' if more else ''}.",
+              f"One particle, K = {scan.stiffness:g} m g/r: its position at .99T of {SHOWN} taps over the "
+              f"{scan.parameter}, and the Lyapunov exponent{f'; {more}, the centre below the floor' if more else ''}.",
               column_figure([orbits, exponents]))

@@ -10,8 +10,9 @@ from ..work import Work, total
 from .paper_column import AMPLITUDE, GRAVITY, coefficients, column, overlap, speed2
 from .rows import add
 
-_COLUMNS = "In the column of the paper stands what is printed, or what a printed equation gives when it is evaluated; in ours " \
-           "the value that is right. Values are for the columns of Fig. 1."
+_COLUMNS = (
+    "In the column of the paper stands what is printed, or what a printed equation gives when it is evaluated; in ours "
+    "the value that is right. Values are for the columns of Fig. 1.")
 
 
 def make(work: Work, tell: Callable[[float], None]) -> None:
@@ -90,8 +91,8 @@ def _long_wave(work: Work, c: Column) -> None:
 
 
 def _continuity(work: Work) -> None:
-    """y = (1 + s t) z with mass m/h per label: the density at a label is m/(h (1 + s t)). (41) mixes rho_z at fixed places
-    with y of labels, and gives exp(-s t)."""
+    """y = (1 + s t) z with mass m/h per label: the density at a label is m/(h (1 + s t)). (41) mixes rho_z at fixed
+    places with y of labels, and gives exp(-s t)."""
     add(work, "stretched", 0.5, paper=math.exp(-1))
     add(work, "data", 42)
     add(work, "integrand", 0)

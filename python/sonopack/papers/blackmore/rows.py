@@ -73,7 +73,8 @@ _VERDICTS = {"claim": ("contradicted", "holds"), "erratum": ("erratum", "agrees"
 
 def add(work: Work, key: str, ours: float, err: float | None = None, *, paper: float | None = None,
         detail: bool = False, **words: object) -> None:
-    """Adds the row `key` of rows.tsv with our value. err, paper: where they are computed. words: of quantity and note."""
+    """Adds the row `key` of rows.tsv with our value. err, paper: where they are computed. words: of quantity and
+    note."""
     row = published.by_key("blackmore", "rows")[key]
     work.rows.append(Row(
         row["item"], row["equation"], row["quantity"].format(**words), row["unit"], row["relation"],
@@ -121,11 +122,11 @@ class Report:
 
     TITLE = "Tapping dynamics for a column of particles and beyond, computed again"
     OPENING = (
-        "Figures, equations and claims of D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. Mater. "
-        "Struct. 6 (2011), [B], beside what its model gives. Units: cm, g, s. The lattice is solved exactly, from event to "
-        "event, with contacts that stick.")
-    FILES = ("The rows of each item are in a file of its name: errata.tsv, fig1.tsv; the numbers behind each figure in files "
-             "whose names begin with that of the item.")
+        "Figures, equations and claims of D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. "
+        "Mater. Struct. 6 (2011), [B], beside what its model gives. Units: cm, g, s. The lattice is solved exactly, "
+        "from event to event, with contacts that stick.")
+    FILES = ("The rows of each item are in a file of its name: errata.tsv, fig1.tsv; the numbers behind each figure in "
+             "files whose names begin with that of the item.")
 
     def table(self, work: Work) -> Table:
         return table(work.rows)
@@ -136,16 +137,16 @@ class Report:
         faults = [row for row in work.rows if row.verdict in ("deviates", "contradicted", "undecided")]
         page.paragraph(
             f"Of {len(found) - claims} values {found.count('agrees')} agree with the paper, {found.count('deviates')} "
-            f"deviate, {found.count('erratum')} are errata, and {found.count('not given')} are not given there; of {claims} "
-            f"claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted and "
+            f"deviate, {found.count('erratum')} are errata, and {found.count('not given')} are not given there; of "
+            f"{claims} claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted and "
             f"{found.count('undecided')} are undecided.{' What deviates or does not hold:' if faults else ''}")
         page.table(_HEAD, [(row.verdict, _cells(row)) for row in faults], True)
         page.paragraph(
-            "Paper: what is printed, with the precision of the print, or what follows from a printed equation or claim. Ours: "
-            "with a bound of our error where it is not rounding alone. Agrees: within both. Deviates: not so. Erratum: the "
-            "paper is wrong by its own premises, and ours is right. Not given: the paper has no number, often only a picture. "
-            "Claims in words and theorems hold, are contradicted, or are undecided where ours lies within its error of the "
-            "limit; the note says what was computed.", "How to read the tables.")
+            "Paper: what is printed, with the precision of the print, or what follows from a printed equation or "
+            "claim. Ours: with a bound of our error where it is not rounding alone. Agrees: within both. Deviates: not "
+            "so. Erratum: the paper is wrong by its own premises, and ours is right. Not given: the paper has no "
+            "number, often only a picture. Claims in words and theorems hold, are contradicted, or are undecided where "
+            "ours lies within its error of the limit; the note says what was computed.", "How to read the tables.")
 
     def tables(self, work: Work, page: Page, item: str) -> None:
         shown = [row for row in work.rows if row.item == item and not row.detail]

@@ -51,10 +51,10 @@ def _heights(work: Work, fine: dict[str, Table], coarse: dict[str, Table]) -> No
         error = 1e-8 if model == "lattice" else abs(high[model] - other)
         add(work, "highest", high[model], error, n=10, model=name)
     work.say("fig2",
-             "The long wave is a well-posed limit of the lattice, BSR a conservative model with the same contact law (neither "
-             "is the printed one, see below and the errata), for the ten particles of Fig. 1: the tap that the paper calls "
-             f"much longer is not given. The top rises to {high['lattice']:.2f} cm in the lattice, {high['longwave']:.2f} in "
-             f"the long wave and {high['bsr']:.2f} in BSR; the long wave is "
+             "The long wave is a well-posed limit of the lattice, BSR a conservative model with the same contact law "
+             "(neither is the printed one, see below and the errata), for the ten particles of Fig. 1: the tap that "
+             f"the paper calls much longer is not given. The top rises to {high['lattice']:.2f} cm in the lattice, "
+             f"{high['longwave']:.2f} in the long wave and {high['bsr']:.2f} in BSR; the long wave is "
              f"{distance(fine['lattice'], fine['longwave'])[0]:.3f} cm off in the mean, of a column of {20:g} cm.")
 
 
@@ -66,8 +66,8 @@ def _collapse(work: Work) -> None:
         add(work, "collapse", run.taps[0].separation, form=name, t=run.violated_at,
             where="floor and particle 1" if run.violated == 0 else "two particles")
         down = ", downwards" if form == "literal" else ""
-        work.say("fig2", f"{name}: its force is {c.bsr_force(form):.4f} m g at the most{down}; the column collapses, ordering "
-                         f"(1) fails at t = {run.violated_at:.5f} s.")
+        work.say("fig2", f"{name}: its force is {c.bsr_force(form):.4f} m g at the most{down}; the column collapses, "
+                         f"ordering (1) fails at t = {run.violated_at:.5f} s.")
 
 
 def _show(work: Work, fine: dict[str, Table]) -> None:
@@ -78,5 +78,6 @@ def _show(work: Work, fine: dict[str, Table]) -> None:
               column_figure(list(fine.values()), ["lattice", "long wave", "BSR, conservative"]))
     errors = column(10, output="compare").table()
     work.save_table("fig2-errors", errors)
-    work.draw("fig2", "fig2-errors", "Mean and largest difference of long wave and BSR from the lattice over the particles.",
+    work.draw("fig2", "fig2-errors", "Mean and largest difference of long wave and BSR from the lattice over the "
+                                     "particles.",
               column_figure([errors]))

@@ -31,13 +31,14 @@ def make(work: Work, tell: Callable[[float], None]) -> None:
     columns = {f"{kind}_{name}": values[j] for j, name in enumerate(NAMES)
                for kind, values in (("growth", growth), ("speed2", squares))}
     table = Table.from_columns({"k": k, **columns}, {"k": "1/cm", **{f"growth_{name}": "1/s" for name in NAMES}})
-    table.add_comment("linearised about y = z, alpha = 1/h; ten particles of Fig. 1; speed2 in K h^2/m; the lattice's waves "
-                      "end at k = pi/h")
+    table.add_comment("linearised about y = z, alpha = 1/h; ten particles of Fig. 1; speed2 in K h^2/m; the lattice's "
+                      "waves end at k = pi/h")
     work.save_table("symbols-waves", table)
     if work.folder:
         work.draw("symbols", "symbols-waves",
-                  "(a) Growth rates of waves exp(i k z) by (35) and (37) as printed, about y = z; the lattice and the long "
-                  "wave here have none. (b) Squares of their speeds; below 0 there is no wave; (35) and (37) as in (a).",
+                  "(a) Growth rates of waves exp(i k z) by (35) and (37) as printed, about y = z; the lattice and the "
+                  "long wave here have none. (b) Squares of their speeds; below 0 there is no wave; (35) and (37) as "
+                  "in (a).",
                   _sheet(k, growth, squares).draw())
 
 
@@ -70,9 +71,9 @@ def _growth(work: Work, c: Column, k: Floats, growth: Floats) -> None:
     add(work, "growth", most, 1e-6 * most, k=at, factor=math.exp(STEP * most))
     add(work, "grid", c.symbol("eq35", math.pi / STEP, alpha=1 / h).growth)
     work.say("symbols",
-             f"(37) has no waves below k = {at * math.sqrt(2):.3g} /cm: they grow, by up to {most:.4g} /s. (35), of the other "
-             "sign, has waves there and growth above, without bound in k. No scheme helps: a finer one follows the growth "
-             "better.")
+             f"(37) has no waves below k = {at * math.sqrt(2):.3g} /cm: they grow, by up to {most:.4g} /s. (35), of "
+             "the other sign, has waves there and growth above, without bound in k. No scheme helps: a finer one "
+             "follows the growth better.")
 
 
 def _speeds(work: Work, c: Column) -> None:

@@ -1,5 +1,5 @@
-"""Claims in words and theorems, tested by computation: integrability, long cycles, parameters, long-term trends, and the
-hybrid scheme."""
+"""Claims in words and theorems, tested by computation: integrability, long cycles, parameters, long-term trends, and
+the hybrid scheme."""
 from __future__ import annotations
 
 import dataclasses
@@ -34,7 +34,8 @@ def make(work: Work, tell: Callable[[float], None]) -> None:
 # ---- (22) -----------------------------------------------------------------------------------------------------------
 
 def _integrability(work: Work) -> None:
-    """Without taps and dissipation (22) is a Hamiltonian system. If it were integrable, no exponent would be positive."""
+    """Without taps and dissipation (22) is a Hamiltonian system. If it were integrable, no exponent would be
+    positive."""
     period = 0.2
     for n in (1, 2, 3, 5):
         c = column(n, e=0.0, amplitude=0.0, drop=0.1, period=period, stiffness=100 * n * 1.0 * GRAVITY, taps=1000)
@@ -42,17 +43,17 @@ def _integrability(work: Work) -> None:
         add(work, "integrable", found.lambda_ / period, found.error / period, n=n,
             order="violated" if found.violated else "holds")
     work.say("claims",
-             "A single elastic particle is integrable, as every system of one degree of freedom. Two and more are chaotic: "
-             "their contacts open and close, and (22) is not integrable.")
+             "A single elastic particle is integrable, as every system of one degree of freedom. Two and more are "
+             "chaotic: their contacts open and close, and (22) is not integrable.")
 
 
 # ---- (35), (37), (45) -----------------------------------------------------------------------------------------------
 
 def _painleve(work: Work) -> None:
-    """With e = 0, w = y_z obeys w_tt = (a w + b w^2 + d w^3/3)_zz + f w_zzzz. About a singularity w = alpha/phi with alpha^2
-    = -6 f/d, an arbitrary function enters with phi^(r - 1) at each resonance r; here (r - 3)(r - 4)(f (r - 1)(r - 2) + d
-    alpha^2) = 0. Two equal resonances bring in a logarithm, so that the equation fails Painleve's test, which integrable
-    equations pass. (37) has the same d and f with the other sign."""
+    """With e = 0, w = y_z obeys w_tt = (a w + b w^2 + d w^3/3)_zz + f w_zzzz. About a singularity w = alpha/phi with
+    alpha^2 = -6 f/d, an arbitrary function enters with phi^(r - 1) at each resonance r; here (r - 3)(r - 4)(f (r - 1)(r
+    - 2) + d alpha^2) = 0. Two equal resonances bring in a logarithm, so that the equation fails Painleve's test, which
+    integrable equations pass. (37) has the same d and f with the other sign."""
     c = column(10)
     r = c.radius()
     h = 2 * r
@@ -82,8 +83,8 @@ def _solitons(work: Work) -> None:
 
 
 def _force(c: Column, z: Floats) -> Floats:
-    """With e = 0 the force of (45) depends on z alone, and (45) is u_t + u u_z = f(z): each point moves in the field f like a
-    particle. f at z, by Simpson's rule."""
+    """With e = 0 the force of (45) depends on z alone, and (45) is u_t + u u_z = f(z): each point moves in the field f
+    like a particle. f at z, by Simpson's rule."""
     cells, h = 64, 2 * c.radius()
     y = np.array([-h + 2 * h * k / cells for k in range(cells + 1)])
     weight = np.where(np.arange(cells + 1) % 2, 4.0, 2.0)
@@ -95,8 +96,8 @@ def _force(c: Column, z: Floats) -> Floats:
 
 
 def _meeting(c: Column, until: float) -> float:
-    """When the first two points meet, of pairs 1e-4 cm apart, at rest every 0.25 cm; at most `until`. Where f falls with
-    height, neighbours meet and the smooth solution ends."""
+    """When the first two points meet, of pairs 1e-4 cm apart, at rest every 0.25 cm; at most `until`. Where f falls
+    with height, neighbours meet and the smooth solution ends."""
     z, step, t = np.arange(0, 2 * c.particles * c.radius(), 0.25), 1e-4, 0.0
     x = np.stack([z, z + 1e-4])
     v = np.zeros_like(x)
@@ -172,8 +173,8 @@ def _periods(work: Work) -> None:
 # ---- Section 2 ------------------------------------------------------------------------------------------------------
 
 def _choice(work: Work, amplitude: float, frequency: float) -> None:
-    """The paper's choice N >= 20, T = 1, pi/omega < 1/10, a <= 1/50, r < 1/100, m < 1/20, read in m, kg and s; these are
-    values at its edge."""
+    """The paper's choice N >= 20, T = 1, pi/omega < 1/10, a <= 1/50, r < 1/100, m < 1/20, read in m, kg and s; these
+    are values at its edge."""
     run = column(20, mass=40.0, radius=0.9, amplitude=float(amplitude), frequency=float(frequency), taps=10).run([])
     rest = [tap.rest for tap in run.taps]
     add(work, "choice-order", separation(run), a=amplitude, f=frequency)
@@ -218,8 +219,8 @@ def _rate(c: Column, e: float, dz: float, y: Floats, v: Floats) -> Floats:
 
 
 def _breakdown(g: Grid, e: float) -> float:
-    """The time at which the scheme with dissipation e in (37) breaks down: a point is farther away than 10 m, or the end. It
-    begins from (39); above the top of the lattice the force is zero."""
+    """The time at which the scheme with dissipation e in (37) breaks down: a point is farther away than 10 m, or the
+    end. It begins from (39); above the top of the lattice the force is zero."""
     c = column(10)
     tops = c.run(np.arange(g.steps) * g.dt).y[:, 10] + 1
     places = g.dz * np.arange(g.cells + 1)
@@ -240,8 +241,8 @@ def _breakdown(g: Grid, e: float) -> float:
 
 
 def _hybrids(work: Work) -> None:
-    """With the paper's steps, and with stable steps. In the latter case the time does not depend on the grid, so it is the
-    equation that breaks down. (With dissipation it does so earlier on finer grids.)"""
+    """With the paper's steps, and with stable steps. In the latter case the time does not depend on the grid, so it is
+    the equation that breaks down. (With dissipation it does so earlier on finer grids.)"""
     add(work, "hybrid-printed", _breakdown(Grid(2000, 0.01, 0.01, 400), RESTITUTION))
     coarse, fine = _breakdown(Grid(100, 0.2, 1e-5, 2000), 0.0), _breakdown(Grid(200, 0.1, 1e-5, 2000), 0.0)
     add(work, "hybrid-stable", fine, abs(fine - coarse) + 1e-5)

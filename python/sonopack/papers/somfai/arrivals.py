@@ -24,10 +24,10 @@ def make(work: SomfaiWork, item: str) -> None:
         work.state(f"slope-{name}", 1 / own.slope, own.err / (own.slope * own.slope))
     for low, high in zip(found, found[1:]):
         rise, time = high.distance - low.distance, high.t10.mean - low.t10.mean
-        work.say(item, f"Between L = {low.distance:.3g} and {high.distance:.3g} the arrival moves with {rise / time:.3f} +- "
-                       f"{rise / (time * time) * hypot(low.t10.err, high.t10.err):.3f}.")
-    work.say(item, "The paper does not say how tall its tallest boxes were; the speed falls with the distance, so that the slope "
-                   "depends on that.")
+        work.say(item, f"Between L = {low.distance:.3g} and {high.distance:.3g} the arrival moves with "
+                       f"{rise / time:.3f} +- {rise / (time * time) * hypot(low.t10.err, high.t10.err):.3f}.")
+    work.say(item, "The paper does not say how tall its tallest boxes were; the speed falls with the distance, so that "
+                   "the slope depends on that.")
     if work.folder:
         _draw(work, item, found, lines)
 
@@ -41,18 +41,19 @@ def _draw(work: SomfaiWork, item: str, found: Sequence[Distance], lines: Sequenc
     curves = []
     for k, name in enumerate(MARKS):
         means = [getattr(d, name) for d in found]
-        curves.append(Curve(distance, np.array([m.mean for m in means]), LABELS[k], error=np.array([m.err for m in means]),
+        curves.append(Curve(distance, np.array([m.mean for m in means]), LABELS[k],
+                            error=np.array([m.err for m in means]),
                             ink=k + 1, dash=None, mark=SHAPES[k], open=True))
     for (name, most), own, dash in zip(FITS, lines, (0, 1)):
         some = fitted(found, most)
         if math.isfinite(own.slope):
             x = np.array([0, 1.05 * some[-1].distance])
-            curves.append(Curve(x, own.intercept + own.slope * x, f"slope 1/{1 / own.slope:.3f}, |L| to {name}", dash=dash,
-                                width=0.7))
+            label = f"slope 1/{1 / own.slope:.3f}, |L| to {name}"
+            curves.append(Curve(x, own.intercept + own.slope * x, label, dash=dash, width=0.7))
     panel = Panel(curves, "distance |L| [|d|]", TIME_AXIS, x=(0, None), inset=_inset(work))
     work.draw_sheet(item, "fig6",
-                    "Times of arrival, peak and zero crossing against the distance, means of boxes 24 wide at p = 1e-4; inset: "
-                    "the three marks on the signal of the packing of Fig. 1.", Sheet([panel], aspect=0.9))
+                    "Times of arrival, peak and zero crossing against the distance, means of boxes 24 wide at p = "
+                    "1e-4; inset: the three marks on the signal of the packing of Fig. 1.", Sheet([panel], aspect=0.9))
 
 
 def _inset(work: SomfaiWork) -> Panel | None:
@@ -62,6 +63,7 @@ def _inset(work: SomfaiWork) -> Panel | None:
     if own is None:
         return None
     curves = [Curve(s.t, s.single[0] / own.amplitude, width=0.7)]
-    curves += [Curve(np.array([getattr(own, name)]), np.array([height]), ink=k + 1, dash=None, mark=SHAPES[k], open=True)
+    curves += [Curve(np.array([getattr(own, name)]), np.array([height]), ink=k + 1, dash=None, mark=SHAPES[k],
+                     open=True)
                for k, (name, height) in enumerate(zip(MARKS, (0.1, 1.0, 0.0)))]
     return Panel(curves, "|t|  [|d| (|ρ|/|E|*)^{1/2}]", "|F|_{sig} / peak", x=(0, 180), zero=True)

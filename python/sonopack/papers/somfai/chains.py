@@ -21,8 +21,8 @@ LOW, HIGH = -2.5, 5.0  # range of (t - N)/N^(1/3)
 
 @dataclasses.dataclass(frozen=True)
 class Lattice:
-    """The lattice as a chain: a row of M grains is a ball, the two contacts of each grain with the next row its spring. mass,
-    spring and wall: of a grain. x = (t - N)/N^(1/3), y = F N^(2/3): its front in the units of the chain."""
+    """The lattice as a chain: a row of M grains is a ball, the two contacts of each grain with the next row its spring.
+    mass, spring and wall: of a grain. x = (t - N)/N^(1/3), y = F N^(2/3): its front in the units of the chain."""
 
     mass: float
     spring: float
@@ -66,17 +66,17 @@ def make(work: SomfaiWork, item: str) -> None:
     l = _lattice(work)
     row = work.state("wall", l.wall / l.spring, 0.0)
     if abs(l.spring / l.wall - row.paper) < row.paper_sd:
-        work.say(item, f"The walls' springs are {l.wall / l.spring:.3f} times as stiff as those between rows, which is Hertz's "
-                       f"law for rigid walls; the number in the paper is the inverse, {l.spring / l.wall:.3f}.")
+        work.say(item, f"The walls' springs are {l.wall / l.spring:.3f} times as stiff as those between rows, which is "
+                       f"Hertz's law for rigid walls; the number in the paper is the inverse, {l.spring / l.wall:.3f}.")
     limit = float(lib.sp_chain_limit_of(lib.SP_CHAIN_VELOCITY).height)
     for n in BALLS:
         below = 100 * (1 - chain_front(n).amplitude * math.pow(n, 2.0 / 3) / limit)
         work.say(item, f"Chain of {n} balls: the first peak's height times N^(2/3) is {below:.2f}% below its limit.")
     mapped = _chain(ROWS, l.x, l.wall / l.spring)
     apart = float(np.max(np.abs(mapped - l.y)) / np.max(np.abs(mapped)))
-    work.say(item, f"The lattice of {ROWS} rows, its first row as fast as the chain's first ball, has the signal of a chain of "
-                   f"{ROWS} balls with such walls, to {apart:.1g} of the largest value shown: its front is lower and earlier "
-                   "than that of a chain whose springs are all equal.")
+    work.say(item, f"The lattice of {ROWS} rows, its first row as fast as the chain's first ball, has the signal of a "
+                   f"chain of {ROWS} balls with such walls, to {apart:.1g} of the largest value shown: its front is "
+                   "lower and earlier than that of a chain whose springs are all equal.")
     if work.folder:
         _draw(work, item, l)
 
@@ -90,6 +90,6 @@ def _draw(work: SomfaiWork, item: str, l: Lattice) -> None:
     curves.append(Curve(l.x, l.y, "lattice, 20 rows", ink=1, dash=None, mark="o", open=True))
     panel = Panel(curves, "(|ct|/|ℓ| − |N|) / |N|^{1/3}", "|F| |N|^{2/3} / |Kℓ|", x=(LOW, HIGH), zero=True)
     work.draw_sheet(item, "fig12",
-                    "Force of the last ball on its wall after a velocity of the first (A), against the time after N l/c: "
-                    "chains of N balls, their limit, a triangular lattice of 20 rows (circles), and a chain with walls as "
-                    "stiff as the lattice's (thin line).", Sheet([panel]))
+                    "Force of the last ball on its wall after a velocity of the first (A), against the time after N "
+                    "l/c: chains of N balls, their limit, a triangular lattice of 20 rows (circles), and a chain with "
+                    "walls as stiff as the lattice's (thin line).", Sheet([panel]))

@@ -42,13 +42,13 @@ def _margins(work: SomfaiWork) -> None:
                 thick[k].add(getattr(five, name) - getattr(three, name))
     for (name, digit, _), a, b in zip(_MARGINS, thin, thick):
         work.claim("margin", b.mean, b.err, b.n, name=name, within=digit)
-        work.say("claims", f"{name} with l = 1 is {a.mean:+.4f} +- {a.err:.4f} off that with l = 3, with l = 5 {b.mean:+.4f} "
-                           f"+- {b.err:.4f}.")
+        work.say("claims", f"{name} with l = 1 is {a.mean:+.4f} +- {a.err:.4f} off that with l = 3, with l = 5 "
+                           f"{b.mean:+.4f} +- {b.err:.4f}.")
 
 
 def _participation(work: SomfaiWork, pressure: float) -> tuple[Sum, Sum, Sum]:
-    """Makse et al. 1999: Pi = 1/(M sum q^2), q = f/sum f, where f is the magnitude of the total force of each of M contacts.
-    Pi, and Pi Z(2) from total and from normal forces: a value a packing."""
+    """Makse et al. 1999: Pi = 1/(M sum q^2), q = f/sum f, where f is the magnitude of the total force of each of M
+    contacts. Pi, and Pi Z(2) from total and from normal forces: a value a packing."""
     number, whole, normal = Sum(), Sum(), Sum()
     for _, packing, network in work.walk("square", pressure):
         c = packing.contacts[network.springs["contact"]]
@@ -101,8 +101,8 @@ def _large_scale(work: SomfaiWork) -> None:
 
 
 def _marks(work: SomfaiWork) -> None:
-    """The ratio of c from a later mark to c_tof is the ratio of the two delays. The marks of one packing vary together, so the
-    error is that of t10 - ratio x mark."""
+    """The ratio of c from a later mark to c_tof is the ratio of the two delays. The marks of one packing vary together,
+    so the error is that of t10 - ratio x mark."""
     low, high = ([[member(f"front.{mark}")(s) for s in work.some(e, 1e-4, parts="front")] for mark in MARKS]
                  for e in ("low", "square"))
     for k, name in ((1, "c by the first peak over c_tof"), (2, "c by the zero crossing over c_tof")):
@@ -136,8 +136,8 @@ def _over(work: SomfaiWork, ensemble: str, friction: bool, p: float, grains: int
 
 
 def _unequal(work: SomfaiWork) -> None:
-    """Unequal balls at P* = 3 p/alpha^(3/2): at P* >= 1, speed and contacts are those of the perfect lattice. Below that,
-    disorder has an effect."""
+    """Unequal balls at P* = 3 p/alpha^(3/2): at P* >= 1, speed and contacts are those of the perfect lattice. Below
+    that, disorder has an effect."""
     for p, reduced in ((1e-6, 0.1), (1e-5, 1.0), (1e-4, 10.0)):
         for friction, kind in enumerate(NAMES):
             where = ("uneven", bool(friction), p)
@@ -161,8 +161,8 @@ def _four(work: SomfaiWork) -> None:
         a, b = (_over(work, "uneven-low", bool(friction), p, HIGHER, "statics.zs") for p in (lower, upper))
         limit = a.mean - (b.mean - a.mean) / (root - 1)
         work.claim("four", limit, hypot(a.err * root, b.err) / (root - 1), a.n, kind=kind)
-        work.say("claims", f"Lattice of balls 1 +- 0.005, {'with' if friction else 'without'} friction: z* = {a.mean:.3f} +- "
-                           f"{a.err:.3f} at p = 1e-7, {b.mean:.3f} +- {b.err:.3f} at 1e-6.")
+        work.say("claims", f"Lattice of balls 1 +- 0.005, {'with' if friction else 'without'} friction: z* = "
+                           f"{a.mean:.3f} +- {a.err:.3f} at p = 1e-7, {b.mean:.3f} +- {b.err:.3f} at 1e-6.")
 
 
 # ---- modes and damping ----------------------------------------------------------------------------------------------
@@ -179,8 +179,8 @@ def _count_soft(work: SomfaiWork, ensemble: str) -> Sum:
 def _soft_modes(work: SomfaiWork) -> None:
     rough, smooth = _count_soft(work, "square"), _count_soft(work, "smooth")
     a, b = rough.mean, smooth.mean
-    work.say("claims", f"Modes with 0 < omega < {SOFT:g}: {a:.1f} +- {rough.err:.1f} a packing with friction, {b:.1f} +- "
-                       f"{smooth.err:.1f} without.")
+    work.say("claims", f"Modes with 0 < omega < {SOFT:g}: {a:.1f} +- {rough.err:.1f} a packing with friction, {b:.1f} "
+                       f"+- {smooth.err:.1f} without.")
     work.claim("soft", b / a, b / a * hypot(rough.err / a, smooth.err / b), smooth.n)
 
 
@@ -204,9 +204,9 @@ def _damping(work: SomfaiWork) -> None:
         work.tell("damping", 0.95)
     for k, zeta in enumerate(levels):
         work.claim("damping", losses[k].mean, losses[k].err, peaks[k].n, zeta=zeta)
-        work.say("claims", f"zeta = {zeta:g}: the first peak keeps {peaks[k].mean:.3f} +- {peaks[k].err:.3f} of its height, "
-                           f"what follows {rests[k].mean:.3f} +- {rests[k].err:.3f} of its root mean square; t10 goes from "
-                           f"{bare_times.mean:.1f} to {times[k].mean:.1f}.")
+        work.say("claims", f"zeta = {zeta:g}: the first peak keeps {peaks[k].mean:.3f} +- {peaks[k].err:.3f} of its "
+                           f"height, what follows {rests[k].mean:.3f} +- {rests[k].err:.3f} of its root mean square; "
+                           f"t10 goes from {bare_times.mean:.1f} to {times[k].mean:.1f}.")
     work.claim("strong", peaks[-1].mean, peaks[-1].err, peaks[-1].n, zeta=levels[-1])
     work.claim("strong-arrival", arrivals[-1].mean, arrivals[-1].err, peaks[-1].n, zeta=levels[-1])
 
@@ -214,8 +214,8 @@ def _damping(work: SomfaiWork) -> None:
 # ---- Eq. (17) -------------------------------------------------------------------------------------------------------
 
 def bessel(x: float, n: int) -> list[float]:
-    """J_0 .. J_(n - 1) at x > 0 by the downward recurrence J_(m-1) = (2m/x) J_m - J_(m+1), normalised by J_0^2 + 2 sum J_m^2
-    = 1, with the sign of J_0 + 2 sum J_2k = 1 (Abramowitz and Stegun, 9.1.76 and 9.1.46)."""
+    """J_0 .. J_(n - 1) at x > 0 by the downward recurrence J_(m-1) = (2m/x) J_m - J_(m+1), normalised by J_0^2 + 2 sum
+    J_m^2 = 1, with the sign of J_0 + 2 sum J_2k = 1 (Abramowitz and Stegun, 9.1.76 and 9.1.46)."""
     order = int(x + 30 + 15 * float(np.cbrt(x)))
     order += order % 2
     j = [0.0] * max(n, order + 1)
@@ -232,9 +232,9 @@ def bessel(x: float, n: int) -> list[float]:
 
 
 def _first_pulse(t: float) -> tuple[float, float]:
-    """The chain whose first ball, next to the wall, has velocity c at t = 0 (units of sp_chain). The method of images gives
-    u'_n = J_(2n-2)(2t) - J_(2n+2)(2t). The kinetic energy from the front back to the first zero crossing, and the root mean
-    square of u' behind it."""
+    """The chain whose first ball, next to the wall, has velocity c at t = 0 (units of sp_chain). The method of images
+    gives u'_n = J_(2n-2)(2t) - J_(2n+2)(2t). The kinetic energy from the front back to the first zero crossing, and the
+    root mean square of u' behind it."""
     orders = int(2 * t + 30 + 15 * float(np.cbrt(2 * t)))
     orders += orders % 2 + 4
     j = bessel(2 * t, orders)

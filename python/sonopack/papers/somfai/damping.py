@@ -36,13 +36,13 @@ def make(work: SomfaiWork, item: str) -> None:
                     TIME_AXIS, "|F|_{sig} / first peak", tag=f"({'abcd'[k]})", x=(0, UNTIL), zero=True)
               for k, (zeta, (own, other)) in enumerate(zip(LEVELS, scaled))]
     work.draw_sheet(item, "fig11",
-                    "Signal of the packing of Fig. 1 with contacts damped by a fraction zeta of critical, over the first peak "
-                    "without damping: the linear network, and the packing's own nonlinear motion after a pulse of 1e-4 of the "
-                    "mean overlap.", Sheet(panels, aspect=0.42))
+                    "Signal of the packing of Fig. 1 with contacts damped by a fraction zeta of critical, over the "
+                    "first peak without damping: the linear network, and the packing's own nonlinear motion after a "
+                    "pulse of 1e-4 of the mean overlap.", Sheet(panels, aspect=0.42))
     peaks = [found.amplitude if (found := front_of(t, own)) else math.nan for own, _ in scaled]
     rests = [rms_after(t, own, first.t_zero) for own, _ in scaled]
     for k in range(1, len(LEVELS)):
         apart = float(np.max(np.abs(scaled[k][0] - scaled[k][1])))
-        work.say(item, f"zeta = {LEVELS[k]:g}: the first peak keeps {100 * peaks[k] / peaks[0]:.0f}% of its height, what "
-                       f"follows {100 * rests[k] / rests[0]:.0f}% of its root mean square; linear and nonlinear motion differ "
-                       f"by {100 * apart:.1f}% of the first peak without damping at the most.")
+        work.say(item, f"zeta = {LEVELS[k]:g}: the first peak keeps {100 * peaks[k] / peaks[0]:.0f}% of its height, "
+                       f"what follows {100 * rests[k] / rests[0]:.0f}% of its root mean square; linear and nonlinear "
+                       f"motion differ by {100 * apart:.1f}% of the first peak without damping at the most.")

@@ -34,13 +34,13 @@ def _table(work: SomfaiWork, item: str) -> None:
         _fits(work, f"chain-{spread}", chains(work, spread))
     _fits(work, "boxes-50", fitted(heights, 60))
     _fits(work, "boxes-100", fitted(heights, math.inf))
-    work.say(item, "Equal chains: slopes between half a million and a million balls. Unequal chains and packings: straight "
-                   "lines, log against log, through all lengths of chains and through the boxes of the range, with the "
-                   "standard errors of the means.")
+    work.say(item, "Equal chains: slopes between half a million and a million balls. Unequal chains and packings: "
+                   "straight lines, log against log, through all lengths of chains and through the boxes of the range, "
+                   "with the standard errors of the means.")
     for low, high in zip(heights, heights[1:]):
         gamma, alpha = power([low, high], "amplitude"), power([low, high], "width")
-        work.say(item, f"Between L = {low.distance:.3g} and {high.distance:.3g}: gamma = {-gamma.slope:.2f} +- {gamma.err:.2f}, "
-                       f"alpha = {alpha.slope:.2f} +- {alpha.err:.2f}.")
+        work.say(item, f"Between L = {low.distance:.3g} and {high.distance:.3g}: gamma = {-gamma.slope:.2f} +- "
+                       f"{gamma.err:.2f}, alpha = {alpha.slope:.2f} +- {alpha.err:.2f}.")
 
 
 def _fits(work: SomfaiWork, name: str, distances: Sequence[Distance]) -> None:
@@ -104,7 +104,8 @@ def _panel(k: int, systems: Sequence[Scaling]) -> Panel:
         small.append(Curve(s.distance, s.value / s.value[0], **{**words, "label": ""},
                            error=None if plain else s.err / s.value[0]))
     inset = Panel(small, "|L| [|d|]", _AXES[k][0], log="xy")
-    return Panel(main, "distance |L| [|d|]", _AXES[k][1], tag="(a)(b)"[3 * k:3 * k + 3], log="x", x=(3, 1000), y=(0, None),
+    return Panel(main, "distance |L| [|d|]", _AXES[k][1], tag="(a)(b)"[3 * k:3 * k + 3], log="x", x=(3, 1000),
+                 y=(0, None),
                  inset=inset)
 
 
@@ -112,14 +113,15 @@ def _figure(work: SomfaiWork, item: str) -> None:
     heights, unequal = boxes(work), [chains(work, spread) for spread in SPREADS]
     parts = [[_of(heights, name, sign), _equal(name, sign), *(_of(each, name, sign) for each in unequal)]
              for name, sign in (("amplitude", -1), ("width", 1))]
-    work.draw_sheet(item, "fig7", "Local exponents of (a) the height A of the first peak and (b) its width W = t_zero - t10; "
-                                  "insets: A and W over those of the shortest distance.",
+    work.draw_sheet(item, "fig7", "Local exponents of (a) the height A of the first peak and (b) its width W = t_zero "
+                                  "- t10; insets: A and W over those of the shortest distance.",
                     Sheet([_panel(k, part) for k, part in enumerate(parts)], aspect=0.95))
     (a, equal_a, *_), (w, equal_w, *_) = parts
     if len(a.local):
-        work.say(item, f"In boxes 24 wide gamma goes from {a.local[0]:.2f} +- {a.local_err[0]:.2f} at L = {a.middle[0]:.3g} to "
-                       f"{a.local[-1]:.2f} +- {a.local_err[-1]:.2f} at L = {a.middle[-1]:.3g}, alpha from {w.local[0]:.2f} +- "
-                       f"{w.local_err[0]:.2f} to {w.local[-1]:.2f} +- {w.local_err[-1]:.2f}.")
+        work.say(item, f"In boxes 24 wide gamma goes from {a.local[0]:.2f} +- {a.local_err[0]:.2f} at L = "
+                       f"{a.middle[0]:.3g} to {a.local[-1]:.2f} +- {a.local_err[-1]:.2f} at L = {a.middle[-1]:.3g}, "
+                       f"alpha from {w.local[0]:.2f} +- {w.local_err[0]:.2f} to {w.local[-1]:.2f} +- "
+                       f"{w.local_err[-1]:.2f}.")
     work.say(item, f"The equal chain is exact ({equal_a.local[-1]:.3f} and {equal_w.local[-1]:.3f} at L = "
-                   f"{equal_a.middle[-1]:.0f}; 2/3 and 1/3 far away). The paper does not say how wide its distributions of "
-                   "balls are; here diameters are uniform in 1 +- 0.1, 0.2 and 0.4.")
+                   f"{equal_a.middle[-1]:.0f}; 2/3 and 1/3 far away). The paper does not say how wide its "
+                   "distributions of balls are; here diameters are uniform in 1 +- 0.1, 0.2 and 0.4.")

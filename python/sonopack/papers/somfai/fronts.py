@@ -49,7 +49,8 @@ def _distances(work: SomfaiWork, all_: Sequence[tuple[str, int]]) -> list[Distan
     for ensemble, grains in all_:
         some = work.some(ensemble, 1e-4, grains, "front")
         if some:
-            means = [mean_of(Row("", ""), map(member(f"front.{name}"), some)) for name in (*MARKS, "amplitude", "width")]
+            means = [mean_of(Row("", ""), map(member(f"front.{name}"), some))
+                     for name in (*MARKS, "amplitude", "width")]
             height = mean_of(Row("", ""), [sample.height for sample in some]).ours
             out.append(Distance(ensemble, grains, height, *(Mean(row.ours, row.err) for row in means)))
     return out
@@ -101,8 +102,8 @@ def power(distances: Sequence[Distance], of: str) -> Line:
 
 @dataclasses.dataclass
 class Signals:
-    """Signals of the packings of an ensemble at the same times: mean and root mean square deviation, NAN for a single one,
-    and those of the first packings. height: mean [d]."""
+    """Signals of the packings of an ensemble at the same times: mean and root mean square deviation, NAN for a single
+    one, and those of the first packings. height: mean [d]."""
 
     n: int
     t: Floats

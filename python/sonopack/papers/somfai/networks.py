@@ -47,8 +47,8 @@ def _one(work: SomfaiWork, item: str) -> None:
     work.save_table("fig1ab", _links(packing, network))
     counts = _counts(work, 0.0)
     table = _histogram(lib.sp_contact_values_table, counts)
-    work.draw(item, "fig1c", "(c) Histograms of the normal forces and stiffnesses of all contacts that carry, over their "
-                             "means; equal areas.", pictures.values(table))
+    work.draw(item, "fig1c", "(c) Histograms of the normal forces and stiffnesses of all contacts that carry, over "
+                             "their means; equal areas.", pictures.values(table))
     work.save_table("fig1c", table)
     work.say(item, f"Over {counts.contacts:.0f} contacts of {counts.packings} packings the forces scatter by "
                    f"{100 * _spread(table, 'forces'):.0f}% of their mean and the stiffnesses by "
@@ -63,7 +63,8 @@ def _links(packing: Packing, network: Network) -> Table:
         "i": c["i"].astype(float), "j": c["j"].astype(float), "x_i": x[:, 0], "y_i": x[:, 1],
         "x_contact": x[:, 0] + r * c["n"][:, 0], "y_contact": x[:, 1] + r * c["n"][:, 1], "Fn": c["fn"],
         "kn": network.springs["kn"]})
-    table.add_comment("contacts that carry: grains from 0, -1 and -2 the bottom and the top wall; normal force and stiffness")
+    table.add_comment("contacts that carry: grains from 0, -1 and -2 the bottom and the top wall; normal force and "
+                      "stiffness")
     return table
 
 
@@ -80,11 +81,11 @@ def _two(work: SomfaiWork, item: str) -> None:
 
     counts = _counts(work, 3.0)
     table = _histogram(lib.sp_contact_angles_table, counts)
-    work.draw(item, "fig2", "Directions of contacts that carry, at least three diameters from both walls: all, those with "
-                            "forces above the mean (strong), and the others (weak).", pictures.angles(table))
+    work.draw(item, "fig2", "Directions of contacts that carry, at least three diameters from both walls: all, those "
+                            "with forces above the mean (strong), and the others (weak).", pictures.angles(table))
     work.say(item, f"{counts.contacts:.0f} contacts of {counts.packings} packings. The mean of 2 n_y^2 - 1, 0 without "
-                   f"anisotropy, is {_upright(table, 'all'):+.3f} for all, {_upright(table, 'strong'):+.3f} for strong and "
-                   f"{_upright(table, 'weak'):+.3f} for weak contacts.")
+                   f"anisotropy, is {_upright(table, 'all'):+.3f} for all, {_upright(table, 'strong'):+.3f} for strong "
+                   f"and {_upright(table, 'weak'):+.3f} for weak contacts.")
     work.save_table("fig2", table)
 
 
@@ -101,14 +102,14 @@ def _three(work: SomfaiWork, item: str) -> None:
 
     _, packing, network = next(work.walk("square", 1e-4, most=1))
     u = network.field([TIME])[0]
-    work.draw(item, "fig3", "Displacements of the grains of the packing of Fig. 1 at t = 80 after the pulse at the bottom wall, "
-                            "magnified; rattlers grey.", pictures.snapshot(network, u, TIME))
+    work.draw(item, "fig3", "Displacements of the grains of the packing of Fig. 1 at t = 80 after the pulse at the "
+                            "bottom wall, magnified; rattlers grey.", pictures.snapshot(network, u, TIME))
     work.save_table("fig3", _field_table(packing, network, u))
     y = packing.x[network.grain, 1]
     quarter = np.clip(np.floor(4 * y / packing.height), 0, 3)
     rms = [math.sqrt(float(np.sum(u[quarter == k, 1] ** 2)) / max(1, int(np.sum(quarter == k)))) for k in range(4)]
-    work.say(item, "Root mean square displacements up and down in the four quarters of the height, from the bottom, over that "
-                   f"of the lowest: 1, {rms[1] / rms[0]:.2f}, {rms[2] / rms[0]:.2f}, {rms[3] / rms[0]:.2f}.")
+    work.say(item, "Root mean square displacements up and down in the four quarters of the height, from the bottom, "
+                   f"over that of the lowest: 1, {rms[1] / rms[0]:.2f}, {rms[2] / rms[0]:.2f}, {rms[3] / rms[0]:.2f}.")
 
 
 def _field_table(packing: Packing, network: Network, u: Floats) -> Table:

@@ -32,8 +32,8 @@ def _four(work: SomfaiWork, item: str) -> None:
         if name:
             _say_scatter(work, item, name, made[ensemble])
     work.draw_sheet(item, "fig4",
-                    "Force on the top wall at p = 1e-4 over the first peak of the ensemble's mean: (a) single packings with "
-                    "friction, (b) their ensemble, (c) 2D and (d) 3D without friction.", Sheet(panels, columns=2))
+                    "Force on the top wall at p = 1e-4 over the first peak of the ensemble's mean: (a) single packings "
+                    "with friction, (b) their ensemble, (c) 2D and (d) 3D without friction.", Sheet(panels, columns=2))
 
 
 def _curves(letter: str, s: Signals) -> list[Curve]:
@@ -53,9 +53,9 @@ def _say_scatter(work: SomfaiWork, item: str, what: str, s: Signals) -> None:
         return
     before = s.rms[s.t <= found.t_peak]
     at_peak, later = before[-1] if len(before) else math.nan, max(s.rms[s.t > found.t_zero], default=0.0)
-    work.say(item, f"{what}, {s.n} packings: the rms deviation between packings is {100 * at_peak / found.amplitude:.0f}% of "
-                   f"the mean's first peak at that peak, and reaches {100 * later / found.amplitude:.0f}% after the first zero "
-                   "crossing.")
+    work.say(item, f"{what}, {s.n} packings: the rms deviation between packings is "
+                   f"{100 * at_peak / found.amplitude:.0f}% of the mean's first peak at that peak, and reaches "
+                   f"{100 * later / found.amplitude:.0f}% after the first zero crossing.")
 
 
 # ---- Fig. 5 ---------------------------------------------------------------------------------------------------------
@@ -74,8 +74,9 @@ def _five(work: SomfaiWork, item: str) -> None:
                             dash=(0, 1, 3)[k % 3]))
     if curves:
         panel = Panel(curves, TIME_AXIS, "mean |F|_{sig} / peak of the lowest box", x=(0, None), zero=True)
-        work.draw_sheet(item, "fig5", "Mean signals of boxes 24 wide and L high at p = 1e-4, until shortly after their zero "
-                                      "crossings, over the first peak of the lowest box.", Sheet([panel], aspect=0.9))
+        work.draw_sheet(item, "fig5", "Mean signals of boxes 24 wide and L high at p = 1e-4, until shortly after their "
+                                      "zero crossings, over the first peak of the lowest "
+                                      "box.", Sheet([panel], aspect=0.9))
     if len(found) > 1:
         low, high = found[0], found[-1]
         work.say(item, f"From L = {low.distance:.3g} to {high.distance:.3g} the first peak falls by a factor "

@@ -56,16 +56,19 @@ def add_counts(table: Table, items: Sequence[str], rows: Sequence[Row]) -> None:
     for name, c in [*counts, ("tables", counted(rows)), ("stated", counted(rows, means=False))]:
         if c.values + c.missing:
             table.add_comment(
-                f"count: {name} values {c.values} agree {c.agree} missing {c.missing} judged {c.judged} within1 {c.within1} "
-                f"beyond2 {c.beyond2} beyond3 {c.beyond3} chi2 {c.chi2:.1f} chi2_without_rounding {c.chi2_bare:.1f}")
+                f"count: {name} values {c.values} agree {c.agree} missing {c.missing} judged {c.judged} within1 "
+                f"{c.within1} beyond2 {c.beyond2} beyond3 {c.beyond3} chi2 {c.chi2:.1f} chi2_without_rounding "
+                f"{c.chi2_bare:.1f}")
     found = _claims(rows)
     if found:
-        table.add_comment(f"claims: {len(found)} hold {found.count('holds')} contradicted {found.count('contradicted')} "
-                          f"undecided {found.count('undecided')} missing {found.count('missing')}")
+        table.add_comment(f"claims: {len(found)} hold {found.count('holds')} contradicted "
+                          f"{found.count('contradicted')} undecided {found.count('undecided')} missing "
+                          f"{found.count('missing')}")
     for f in families(rows):
         if f.is_systematic:
             table.add_comment(f"systematic: {f.item} {f.quantity}, {_side(f, 'off on both sides')} at all {f.values} "
-                              f"pressures, {100 * f.low:+.1f}% to {100 * f.high:+.1f}%, together {f.together:+.1f} errors")
+                              f"pressures, {100 * f.low:+.1f}% to {100 * f.high:+.1f}%, together {f.together:+.1f} "
+                              "errors")
 
 
 # ---- cells of the report --------------------------------------------------------------------------------------------
@@ -113,16 +116,18 @@ def _count_cells(name: str, c: Counts) -> list[str]:
 
 _VALUES = ("item", "quantity", "p", "paper", "ours", "σ", "s.e.", "verdict")
 _CLAIMS = ("in the paper", "claim", "paper", "ours", "verdict", "what was done")
-_COUNTS = ("", "values", "within 1 σ", "with errors", "within 1 s.e.", "beyond 2", "beyond 3", "chi^2", "without rounding")
+_COUNTS = ("", "values", "within 1 σ", "with errors", "within 1 s.e.", "beyond 2", "beyond 3", "chi^2", "without "
+                                                                                                        "rounding")
 _HOW = (
-    "Paper: mean and one standard deviation of its samples. Ours: mean and its standard error. σ: the difference over one "
-    "standard deviation of the paper; where it gives none (normal forces, their moments, fabric) over that of our samples; "
-    "for values that the paper states in words over the precision of the words and our standard error together, and 0 above "
-    "a lower bound (≥). A value agrees when σ is within one; with few samples more of them deviate by chance. Missing: ours "
-    "has no value, or a single sample no scatter. s.e.: the difference over the standard errors of both means together, 30 "
-    "samples taken for the paper, and the rounding of print (uniform within half of the last digit). Values of one table "
-    "come from the same packings, so that chi^2 is no sum of independent parts. Claims hold or are contradicted where ours "
-    "is two standard errors away from the limit, else they are undecided.")
+    "Paper: mean and one standard deviation of its samples. Ours: mean and its standard error. σ: the difference over "
+    "one standard deviation of the paper; where it gives none (normal forces, their moments, fabric) over that of our "
+    "samples; for values that the paper states in words over the precision of the words and our standard error "
+    "together, and 0 above a lower bound (≥). A value agrees when σ is within one; with few samples more of them "
+    "deviate by chance. Missing: ours has no value, or a single sample no scatter. s.e.: the difference over the "
+    "standard errors of both means together, 30 samples taken for the paper, and the rounding of print (uniform within "
+    "half of the last digit). Values of one table come from the same packings, so that chi^2 is no sum of independent "
+    "parts. Claims hold or are contradicted where ours is two standard errors away from the limit, else they are "
+    "undecided.")
 
 
 class Report:
@@ -130,11 +135,11 @@ class Report:
 
     TITLE = "Elastic wave propagation in confined granular systems, computed again"
     OPENING = (
-        "Tables and figures of E. Somfai, J.-N. Roux, J. H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, 021301 "
-        "(2005), beside values and figures of new packings. Units: lengths in mean grain diameters d, pressures in E*, speeds "
-        "in sqrt(E*/rho), times in d/sqrt(E*/rho).")
-    FILES = ("The numbers behind each figure and table are beside it in a file of the same name: fig6.tsv, table1.tsv; values "
-             "of figures that the paper states in fig6-values.tsv and so on.")
+        "Tables and figures of E. Somfai, J.-N. Roux, J. H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, "
+        "021301 (2005), beside values and figures of new packings. Units: lengths in mean grain diameters d, pressures "
+        "in E*, speeds in sqrt(E*/rho), times in d/sqrt(E*/rho).")
+    FILES = ("The numbers behind each figure and table are beside it in a file of the same name: fig6.tsv, table1.tsv; "
+             "values of figures that the paper states in fig6-values.tsv and so on.")
 
     def table(self, work: SomfaiWork) -> Table:
         table = rows_table(work, work.rows)
@@ -163,14 +168,14 @@ class Report:
         if values:
             page.paragraph(
                 f"Of {values} values of the paper {means.agree + stated.agree} agree within one standard deviation, "
-                f"{means.values - means.agree + stated.values - stated.agree} deviate, and {means.missing + stated.missing} "
-                "could not be compared.", "By the scatter of one sample.")
+                f"{means.values - means.agree + stated.values - stated.agree} deviate, and "
+                f"{means.missing + stated.missing} could not be compared.", "By the scatter of one sample.")
         if means.judged:
             page.paragraph(
-                f"Of {means.judged} means that the paper prints {means.within1} lie within one combined standard error, "
-                f"{means.beyond2} beyond two and {means.beyond3} beyond three; chi^2 = {means.chi2:.0f} "
-                f"({means.chi2_bare:.0f} without the rounding of print). This is the sharper measure, and shows differences "
-                "that the scatter of one sample hides.", "By the standard errors of both means.")
+                f"Of {means.judged} means that the paper prints {means.within1} lie within one combined standard "
+                f"error, {means.beyond2} beyond two and {means.beyond3} beyond three; chi^2 = {means.chi2:.0f} "
+                f"({means.chi2_bare:.0f} without the rounding of print). This is the sharper measure, and shows "
+                "differences that the scatter of one sample hides.", "By the standard errors of both means.")
         if found:
             page.paragraph(
                 f"Of {len(found)} claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted, "
@@ -179,13 +184,13 @@ class Report:
 
     @staticmethod
     def _systematic(rows: Sequence[Row], page: Page) -> None:
-        """Caveats: the error of the paper's mean is unknown if few packings dominate it, and the values of one table come
-        from the same packings."""
+        """Caveats: the error of the paper's mean is unknown if few packings dominate it, and the values of one table
+        come from the same packings."""
         known = [family for family in families(rows) if family.values >= 3]
         found = [family for family in known if family.is_systematic]
         if found:
-            page.paragraph("Quantities that lie on one side of the paper at all pressures, and together beyond three errors; "
-                           "or off at all pressures, none within two errors:", "Systematic deviations.")
+            page.paragraph("Quantities that lie on one side of the paper at all pressures, and together beyond three "
+                           "errors; or off at all pressures, none within two errors:", "Systematic deviations.")
         elif known:
             page.paragraph("None.", "Systematic deviations.")
         for f in found:
@@ -203,6 +208,6 @@ class Report:
             work.save_table(item + ("-values" if item.startswith("fig") else ""), rows_table(work, own))
 
     def run(self, work: SomfaiWork) -> str:
-        return (f"somfai2005 with {work.samples} samples a pressure (2400 grains: half as many; spheres: a quarter), protocol "
-                f"{work.protocol}; {work.computed} samples made in this run, {work.failed} that failed or lack a part; "
-                f"{work.watch.seconds:.0f} seconds.")
+        return (f"somfai2005 with {work.samples} samples a pressure (2400 grains: half as many; spheres: a quarter), "
+                f"protocol {work.protocol}; {work.computed} samples made in this run, {work.failed} that failed or "
+                f"lack a part; {work.watch.seconds:.0f} seconds.")

@@ -69,10 +69,12 @@ class SomfaiWork(Work):
 
     rows: list[Row]
 
-    def __init__(self, arguments: argparse.Namespace, wanted: set[str], watch: Watch, folder: str, figures: str) -> None:
+    def __init__(self, arguments: argparse.Namespace, wanted: set[str], watch: Watch, folder: str,
+                 figures: str) -> None:
         self.samples = arguments.samples or SAMPLES
         self.protocol = arguments.protocol or "default"
-        self.jobs, self.threads, self.folder_of_store = arguments.jobs or arguments.threads, arguments.threads, arguments.store
+        self.jobs, self.threads = arguments.jobs or arguments.threads, arguments.threads
+        self.folder_of_store = arguments.store
         super().__init__("somfai", f"reproduce somfai2005, samples = {self.samples}", wanted, watch, folder, figures)
         self.sets: dict[str, list[Sample]] = {}
         self.computed = self.failed = 0
@@ -158,14 +160,17 @@ class SomfaiWork(Work):
         self.rows.append(judged(row))
         return self.rows[-1]
 
-    def state(self, key: str, ours: float, err: float, value: float | None = None, precision: float | None = None) -> Row:
+    def state(self, key: str, ours: float, err: float, value: float | None = None,
+              precision: float | None = None) -> Row:
         """Adds the row `key` of stated.tsv with our value and its standard error. value, precision: if computed."""
         row = published.by_key("somfai", "stated")[key]
-        return self.add(Row(row["item"], row["quantity"], p=published.number(row["p"]), scatter=row["scatter"], ours=ours,
+        return self.add(Row(row["item"], row["quantity"], p=published.number(row["p"]), scatter=row["scatter"],
+                            ours=ours,
                             paper=float(row["value"]) if value is None else value, err=err,
                             paper_sd=float(row["precision"]) if precision is None else precision))
 
-    def claim(self, key: str, ours: float, err: float, samples: int = 0, p: float | None = None, **words: object) -> Row:
+    def claim(self, key: str, ours: float, err: float, samples: int = 0, p: float | None = None,
+              **words: object) -> Row:
         """Adds the row `key` of claims.tsv. words: of its quantity; `within`, if it depends on the quantity."""
         row = published.by_key("somfai", "claims")[key]
         within = float(str(words["within"])) if "within" in words else published.number(row["within"])

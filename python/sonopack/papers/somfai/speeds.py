@@ -21,7 +21,8 @@ NAMES = ("smooth", "friction")
 
 def lattice_speed(p: float, eta: float) -> float:
     """Eq. (18) for eta = 0, Eq. (19) otherwise."""
-    return math.pow(3, 19.0 / 12) / (math.pow(2, 1.5) * math.sqrt(math.pi)) * math.sqrt(1 + eta / 3) * math.pow(p, 1.0 / 6)
+    return math.pow(3, 19.0 / 12) / (math.pow(2, 1.5) * math.sqrt(math.pi)) * math.sqrt(1 + eta / 3) * math.pow(p,
+                                                                                                                1.0 / 6)
 
 
 def _arrivals(work: SomfaiWork, ensemble: str, friction: bool, p: float) -> list[tuple[float, float]]:
@@ -43,8 +44,8 @@ def lattice_small(work: SomfaiWork, friction: bool, p: float) -> float:
 
 
 def lattice_long(work: SomfaiWork, friction: bool) -> tuple[float, float]:
-    """Speed at p = 5e-7 from three heights, with the arrival time H/c + a + b H^(1/3) (Eq. (16)), and that between the two
-    highest, about 80 and 160."""
+    """Speed at p = 5e-7 from three heights, with the arrival time H/c + a + b H^(1/3) (Eq. (16)), and that between the
+    two highest, about 80 and 160."""
     found = _arrivals(work, "lattice-long", friction, 5e-7)[:3]
     if len(found) < 3:
         return math.nan, math.nan
@@ -115,8 +116,9 @@ def make(work: SomfaiWork, item: str) -> None:
         work.say(item, f"p = {tof.p[k]:g}: c_tof = {tof.c[k]:.4f} +- {tof.err[k]:.4f}.")
     for friction, words, source in ((False, "without", "Eq. (18)"), (True, "with", "Eq. (19)")):
         limit, between = lattice_long(work, friction)
-        work.say(item, f"Lattice {words} friction at 5e-7: {between:.4f} between heights of 80 and 160, {limit:.4f} once the "
-                       f"front's spreading is allowed for; {source} gives {lattice_speed(5e-7, friction):.4f}.")
+        work.say(item, f"Lattice {words} friction at 5e-7: {between:.4f} between heights of 80 and 160, {limit:.4f} "
+                       f"once the front's spreading is allowed for; {source} gives "
+                       f"{lattice_speed(5e-7, friction):.4f}.")
     work.say(item, "The points of the three experiments in the paper's figure are not available.")
 
 
@@ -154,8 +156,9 @@ def _draw(work: SomfaiWork, item: str, tof: Speeds, fast: Speeds, slow: Speeds) 
         _marks("|c|_{|ℓ|}", fast, 1, "s"),
         _marks("|c|_{tof}", tof, 0, "o"),  # the main data, drawn on top
         _guide(1 / 6, 0.036, "slope 1/6", width=0.6), _guide(0.25, 0.026, "slope 1/4", dash=2, width=0.8)]
-    panel = Panel(curves, "pressure |p| / |E|*", "speed / (|E|*/|ρ|)^{1/2}", log="xy", x=(span[0], span[1]), y=(0.025, 0.4))
+    panel = Panel(curves, "pressure |p| / |E|*", "speed / (|E|*/|ρ|)^{1/2}", log="xy", x=(span[0], span[1]),
+                  y=(0.025, 0.4))
     work.draw_sheet(item, "fig8",
-                    "Speed of the front and of long waves against pressure: packings of 600 grains, and triangular lattices, "
-                    "measured and by Eqs. (18) and (19), the band for 0 <= nu <= 0.5.",
+                    "Speed of the front and of long waves against pressure: packings of 600 grains, and triangular "
+                    "lattices, measured and by Eqs. (18) and (19), the band for 0 <= nu <= 0.5.",
                     Sheet([panel], aspect=0.85, width=300 / 72))

@@ -39,8 +39,8 @@ def _say_agreement(work: SomfaiWork, item: str) -> None:
     work.say(item, f"{agree} of {len(rows)} means lie within one standard deviation of the paper{gaps}.")
     c = counted(work.rows, item)
     if c.judged:
-        work.say(item, f"By the standard errors of both means {c.within1} of {c.judged} lie within one, {c.beyond2} beyond two "
-                       f"and {c.beyond3} beyond three; chi^2 = {c.chi2:.0f}.")
+        work.say(item, f"By the standard errors of both means {c.within1} of {c.judged} lie within one, {c.beyond2} "
+                       f"beyond two and {c.beyond3} beyond three; chi^2 = {c.chi2:.0f}.")
     if known:
         worst = max(known, key=lambda row: abs(row.sigma))
         work.say(item, f"The largest deviation is that of {worst.quantity} at p = {worst.p:g}: {worst.ours:.4g} here, "
@@ -56,20 +56,21 @@ def _say_far_off(work: SomfaiWork, item: str, what: str, values: Sequence[float]
     off = np.abs(x - middle)
     far = off > FAR_OFF * 1.4826 * np.median(off)
     if far.any():
-        work.say(item, f"{what}: {far.sum()} of {len(x)} samples lie more than 8 standard deviations of the others away, the "
-                       f"farthest at {x[np.argmax(off)]:.3g}; the median is {middle:.4g}.")
+        work.say(item, f"{what}: {far.sum()} of {len(x)} samples lie more than 8 standard deviations of the others "
+                       f"away, the farthest at {x[np.argmax(off)]:.3g}; the median is {middle:.4g}.")
 
 
 def _say_box(work: SomfaiWork, item: str) -> None:
-    """The body force on a grain is its volume divided by Phi3*. If Phi3* is that of the whole box, the forces add up to the
-    force on the continuum. The ratios are proportional to its square."""
+    """The body force on a grain is its volume divided by Phi3*. If Phi3* is that of the whole box, the forces add up to
+    the force on the continuum. The ratios are proportional to its square."""
     rows = [row for row in work.rows if row.item == item]
     factors = {p: _box_ratio(work, p) for p in PRESSURES}
     before = sum(row.verdict == "agrees" for row in rows)
     agree = sum(abs(row.ours * factors[row.p] - row.paper) <= row.paper_sd for row in rows)
-    work.say(item, "The body force on a grain goes as 1/Phi3*. Here that is the bulk's, as everywhere; with that of the whole "
-                   f"box, loose layers at the walls included, all ratios would be {min(factors.values()):.3f} to "
-                   f"{max(factors.values()):.3f} times as large, and {agree} of {len(rows)} instead of {before} would agree.")
+    work.say(item, "The body force on a grain goes as 1/Phi3*. Here that is the bulk's, as everywhere; with that of "
+                   "the whole box, loose layers at the walls included, all ratios would be "
+                   f"{min(factors.values()):.3f} to {max(factors.values()):.3f} times as large, and {agree} of "
+                   f"{len(rows)} instead of {before} would agree.")
 
 
 def _box_ratio(work: SomfaiWork, pressure: float) -> float:

@@ -16,11 +16,11 @@ DECIDED = 2       # standard errors from its limit, at which a claim is decided
 class Row:
     """A value of the paper and ours; NAN where there is none.
 
-    scatter: the unit of sigma. "paper": its standard deviation; "ours": that of our samples; "stated": the precision of the
-    words and our error together; "bound": the same of a lower bound, and 0 above it; "claim": a claim in words, which holds
-    or does not. paper_sd: standard deviation, precision of the words, or tolerance of a claim. digit: unit of the last
-    printed digit; 0: not rounded. samples: 0 if it is no average. sigma, combined, deviation_err and verdict are those of
-    judged()."""
+    scatter: the unit of sigma. "paper": its standard deviation; "ours": that of our samples; "stated": the precision of
+    the words and our error together; "bound": the same of a lower bound, and 0 above it; "claim": a claim in words,
+    which holds or does not. paper_sd: standard deviation, precision of the words, or tolerance of a claim. digit: unit
+    of the last printed digit; 0: not rounded. samples: 0 if it is no average. sigma, combined, deviation_err and
+    verdict are those of judged()."""
 
     item: str
     quantity: str
@@ -120,8 +120,9 @@ class Sum:
 
 @dataclasses.dataclass(frozen=True)
 class Counts:
-    """Verdicts on values. judged: those with a deviation_err; within1, beyond2, beyond3: in those errors. chi2, chi2_bare:
-    sums of squares with and without the rounding of print; NAN for stated numbers, whose precision is no deviation."""
+    """Verdicts on values. judged: those with a deviation_err; within1, beyond2, beyond3: in those errors. chi2,
+    chi2_bare: sums of squares with and without the rounding of print; NAN for stated numbers, whose precision is no
+    deviation."""
 
     values: int
     agree: int
@@ -147,8 +148,8 @@ def counted(rows: Iterable[Row], item: str = "", means: bool = True) -> Counts:
 
 @dataclasses.dataclass(frozen=True)
 class Family:
-    """One quantity at all its pressures. side: +1, ours are above; -1, below; 0, both. together: sum of deviation_err over
-    the root of their number. least: the smallest deviation_err. low, high: range of ours/paper - 1."""
+    """One quantity at all its pressures. side: +1, ours are above; -1, below; 0, both. together: sum of deviation_err
+    over the root of their number. least: the smallest deviation_err. low, high: range of ours/paper - 1."""
 
     item: str
     quantity: str
