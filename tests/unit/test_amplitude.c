@@ -203,15 +203,7 @@ TEST(test_bad_input) {
     o.until = NAN;
     assert_fails(sp_amplitude_pulses(&p, &o, 1, &good, &a, NULL, &err), SP_EINVAL, "until");
     o.until = 0;
-    for (int k = 0;; k++) {
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_amplitude_pulses(&p, &o, 1, &good, &a, NULL, &err);
-        sp_alloc_fail_after(-1);
-        if (status == SP_OK)
-            break;
-        assert_int_equal(status, SP_ENOMEM);
-    }
+    EACH_ALLOCATION_FAILS(10, sp_amplitude_pulses(&p, &o, 1, &good, &a, NULL, &err), );
     sp_packing_free(&p);
 }
 
