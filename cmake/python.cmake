@@ -7,7 +7,7 @@ set(SONOPACK_PYTHON_DIR lib/python3/dist-packages CACHE STRING "Folder of the Py
 
 set(package ${PROJECT_BINARY_DIR}/python/sonopack)
 set(python_source ${PROJECT_SOURCE_DIR}/python)
-file(GLOB_RECURSE python_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/*.h)
+file(GLOB_RECURSE python_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include/*.h ${PROJECT_SOURCE_DIR}/include/*.inc)
 file(GLOB_RECURSE python_files RELATIVE ${python_source}/sonopack CONFIGURE_DEPENDS ${python_source}/sonopack/*)
 list(FILTER python_files EXCLUDE REGEX "__pycache__")
 set(native ${PROJECT_BINARY_DIR}/python-source)

@@ -184,6 +184,15 @@ def comments_of(text, reference):
             above = ""
 
 
+# ---- quantities -----------------------------------------------------------------------------------------------------
+
+def quantities(text, reference):
+    """The members of a result are what quantities.inc says of them: meaning and unit."""
+    for struct, member, _, unit, meaning in re.findall(r'^(\w+)\((\w+), "([^"]*)", "([^"]*)", "([^"]*)"\)$', text, re.M):
+        own, fields = reference.get(f"sp_{struct.lower()}", ("", {}))
+        reference[f"sp_{struct.lower()}"] = own, {**fields, member: meaning + (f" [{unit}]" if unit else "")}
+
+
 # ---- records --------------------------------------------------------------------------------------------------------
 
 def python_name(c_name):
@@ -246,6 +255,7 @@ def main():
         text = without_preprocessor(path.read_text())
         comments_of(text, reference)
         code.append(without_comments(text))
+    quantities((include / "sonopack/quantities.inc").read_text(), reference)
     names = python_names(native.parent / "sonopack")
     names.update((name, python_name(name)) for name in reference if reference[name][1] and not INPUTS.search(name))
     reference = {name: (spoken(own, names), {field: spoken(text, names) for field, text in fields.items()})

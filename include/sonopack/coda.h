@@ -56,6 +56,12 @@ SP_API sp_status sp_coda_locate(const sp_coda *c, const double *change, double n
 SP_API sp_status sp_coda_signal(const sp_network *net, const sp_coda_options *opt, int32_t grain, double change,
                                 double *signal, sp_error *err);
 
+/* Adds to the error of a candidate what its kernel, which is of first order, leaves out: how far the change that the
+ * kernel finds in the signal of a packing with this very change is from it. Without noise this is the larger error.
+ * before [pairs][times]: the signal of the network as it is, from sp_coda_signal; opt: that of c. */
+SP_API sp_status sp_coda_first_order(const sp_network *net, const sp_coda_options *opt, const sp_coda *c,
+                                     const double *before, sp_coda_candidate *found, sp_error *err);
+
 /* Relative change of speed that stretches `before` to `before + change` [times], by least squares to first order, and
  * its standard error. NAN where `before` does not change with time. */
 SP_API void sp_coda_stretch(int32_t times, const double *t, const double *before, const double *change, double *stretch,

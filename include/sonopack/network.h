@@ -126,6 +126,13 @@ typedef struct sp_place {
     int32_t grain;   /* of GRAIN: index in the packing */
 } sp_place;
 SP_API sp_place sp_place_wall(void); /* The whole wall, along its normal. */
+/* Reads a place as the command writes it: bottom (of a source) or top (of a detector), part:X0:X1, plane:Y or grain:I,
+ * optionally followed by :normal or :shear; a component alone stands for the whole wall. *component, or NULL: whether
+ * the text names one. SP_EINVAL for any other text. */
+SP_API sp_status sp_place_read(const char *text, bool source, sp_place *out, bool *component, sp_error *err);
+enum { SP_PLACE_TEXT = 100 };
+/* The place as sp_place_read reads it, with its component. Returns text. */
+SP_API char *sp_place_text(const sp_place *at, bool source, char text[SP_PLACE_TEXT]);
 
 /* Whether any spring leads to the wall, SP_BOTTOM or SP_TOP. Without, the wall is no source and no detector. */
 SP_API bool sp_network_touches(const sp_network *net, int32_t wall);

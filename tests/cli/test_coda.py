@@ -10,8 +10,6 @@ import tempfile
 import h5py
 import numpy as np
 
-from common import names_all
-
 COMMAND, SOURCE = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 N200 = os.path.join(SOURCE, "packings/reference/packing_N200_p1e-4.txt")
 FOLDER = tempfile.TemporaryDirectory()
@@ -104,14 +102,6 @@ def test_doubt():
     assert abs(ratio / 2**0.5 - 1) < 0.05, ratio
 
 
-def test_refuses():
-    for words, named in (([], "--grain"), (["--grain=3", "--trials=2"], "--trials"), (["--before=x.tsv"], "--after"),
-                         (["--grain=100000"], "100000"), (["--grain=3", "--window=5"], "--window 5"), (["--grain=3", "--window=9:5"], "--window 9:5"),
-                         (["--grain=3", "--change=-2"], "--change -2"), (["--grain=3", "--detector=hill:3"], "--detector hill:3")):
-        done = run("coda", N200, *words, status=2)
-        assert names_all(done.stderr, named) and not done.stdout, (words, done.stderr)
-
-
-for test in (test_one, test_trials, test_files, test_doubt, test_refuses):
+for test in (test_one, test_trials, test_files, test_doubt):
     test()
 print("changes are found again")

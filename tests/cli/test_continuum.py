@@ -87,18 +87,6 @@ def test_table():
         assert np.isclose(float(row["overlap"]), np.sum((span.T @ mode)**2), rtol=1e-5), row
 
 
-def test_refusals():
-    run("pack", "--set", "packing.grains=60", "--set", "packing.width=12", "--set", "packing.tolerance=1e-8", "-q",
-        "-o", "thin.h5")
-    assert "Phi3*" in run("spectrum", "continuum", "thin.h5", status=1)[1]
-    run("pack", "--set", "packing.kind=chain", "--set", "packing.grains=20", "-q", "-o", "chain.h5")
-    assert "must be in 2" in run("spectrum", "continuum", "chain.h5", status=1)[1]
-    for lowest in ("0", "-1", "x", "1e9"):
-        assert "--lowest" in run("spectrum", "continuum", N600, "--lowest", lowest, status=2)[1]
-    assert "--lowest" in run("spectrum", "dos", N600, "--lowest", 3, status=2)[1]
-
-
 if __name__ == "__main__":
     test_table()
-    test_refusals()
     print("ok")

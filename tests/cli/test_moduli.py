@@ -265,26 +265,14 @@ def test_strained():
         assert abs(float(small[name]) / float(springs[name]) - 1) < 1e-5, (name, small, springs)
     assert float(small["residual"]) < 1e-6 and int(small["sliding"]) <= int(large["sliding"])
     assert int(large["sliding"]) > 0 and float(large["C33"]) < float(small["C33"])
-    for strain in ("0", "1", "-1e-6", "x", ""):
-        assert "--strain" in run("moduli", N200, "--strain", strain, status=2)[1]
-    assert "must be smaller" in run("moduli", N200, "--strain", "0.01", status=1)[1]
 
 
-def test_refusals():
-    for probe in ("sine:0", "sine:abc", "sine:", "sine:1.5", "sine:-1", "lines:2", "lines:0", "lines:99999999999", "x",
-                  "", "global:1", "sine"):
-        out, said = run("moduli", N200, "--probe", probe, status=2)
-        assert out == "" and "--probe" in said.splitlines()[0], said
-    for probe, reason in (("sine:40", "sine:40"), ("lines:41", "lines:41"), ("lines:7", "lines:7")):
-        out, said = run("moduli", N200, "--probe", probe, status=1)
-        assert out == "" and names_all(said, reason), said
+def test_nan():
     # thin: no bulk away from both walls, so no density; lines need none
     run("pack", "--set", "packing.grains=60", "--set", "packing.width=12", "--set", "packing.tolerance=1e-8", "-q",
         "-o", "thin.h5")
     out, said = run("moduli", "thin.h5")
     assert rows(out)[1][0]["c_l"] == "nan" and names_all(said, "--margin")
-    out, said = run("moduli", "thin.h5", "--probe", "sine:1", status=1)
-    assert names_all(said, "Phi3*")
     assert rows(run("moduli", "thin.h5", "--probe", "lines:1")[0])[1]
     assert rows(run("moduli", "thin.h5", "--probe", "sine:1", "--margin", "1")[0])[1]
     # smooth walls: said, and the sine has a value
@@ -299,7 +287,6 @@ def test_refusals():
         "packing.tolerance=1e-8", "-q", "-o", "space.h5")
     out, said = run("moduli", "thin.h5", "space.h5", status=1)
     assert len(rows(out)[1]) == 1 and names_all(said, "")
-    assert "--probe" in run("moduli", N200, "--probe", "sine:1", "--strain", "1e-6", status=2)[1]
 
 
 def test_mechanisms():
@@ -333,6 +320,6 @@ if __name__ == "__main__":
     test_floppy()
     test_quick_spheres()
     test_strained()
-    test_refusals()
+    test_nan()
     test_mechanisms()
     print("ok")

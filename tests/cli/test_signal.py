@@ -154,22 +154,6 @@ def test_defaults():
         run("signal", N200, "--points", 5, "-o", out, "--force")
 
 
-def test_refusals():
-    for words in ([], [N200, N600], [N200, "--points", "1"], [N200, "--until", "0"], [N200, "--until", "nan"],
-                  [N200, "--until", "-5"], [N200, "--method", "magic"], [N200, "--source", "drum"],
-                  [N200, "--tolerance", "0"], [N200, "--threshold", "-1"], [N200, "--points", "2.5"],
-                  [N200, "--set", "packing.grains=5"], [N200, "--no-such-option"]):
-        run("signal", *words, status=2)
-    assert str(N600) in run("signal", N200, N600, status=2)
-    assert "1e-15" in run("signal", N200, "--tolerance", "1e-15", status=1)
-    assert "no_such_file" in run("signal", "no_such_file", status=1)
-    for words in ([], [N200, N600], [N200, "--lowest", "0"], [N200, "--source", "drum"]):
-        run("modes", *words, status=2)
-    run("moduli", status=2)
-    run("bench", "no_such_case", status=2)
-    run("bench", "signal", "--packing", "no_such_file", status=1)
-
-
 def test_bench():
     text = run("bench", "signal", "modes", "moduli", "--packing", N200, "--until", 20, "--seconds", 0.1)
     assert "# auto = " in text
@@ -198,6 +182,5 @@ if __name__ == "__main__":
         test_oracle(path)
     test_moduli()
     test_defaults()
-    test_refusals()
     test_bench()
     print("passed")

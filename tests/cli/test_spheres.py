@@ -63,19 +63,6 @@ def test_refusals():
     run("pack", *BOX, "--set", "packing.gas_fraction=0.4", "-o", "no.h5", status=2, says="packing.gas_fraction")
 
 
-def test_round_trips():
-    """No bit is lost between the forms of a packing."""
-    run("convert", "P.h5", "a.txt")
-    run("convert", "a.txt", "a.h5")
-    run("convert", "a.h5", "b.txt")
-    assert read("a.txt") == read("b.txt"), "text -> HDF5 -> text"
-    run("convert", "a.h5", "--grains", "g.tsv", "--contacts", "c.tsv")
-    run("convert", "--grains", "g.tsv", "--contacts", "c.tsv", "b.h5")
-    assert read("a.h5") == read("b.h5"), "HDF5 -> tables -> HDF5"
-    one, other = run("statics", "P.h5"), run("statics", "b.h5")
-    assert one.replace("P.h5", "b.h5") == other
-
-
 def test_study():
     with open(os.path.join(FOLDER, "study.cfg"), "w", encoding="utf-8") as scene:
         scene.write('packing = { dimension = 3; width = 5; depth = 6; tolerance = 1e-8; };\n'

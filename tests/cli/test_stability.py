@@ -70,16 +70,10 @@ def test_unbalanced():
     assert verdict(*words[:2])[1]["verdict"] == "stable"
 
 
-def test_refusals():
-    for words in (["--lowest", 3], ["--band", "0:1"], ["--frequencies-only"], ["--damping", 0.1]):
-        assert "--stability" in run("modes", N200, "--stability", *words, status=2)
-
-
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         test_reference()
         test_space()
         test_unbalanced()
-        test_refusals()
     print("passed")

@@ -115,20 +115,20 @@ def histograms(store):
     assert np.all(low[full] <= mean[full] + 1e-12) and np.all(high[full] >= mean[full] - 1e-12)
     # where no sample has a mode nothing is known of the scatter
     assert np.array_equal(np.isnan(low), ~full) and np.array_equal(np.isnan(high), ~full)
-    (table,) = tables(run("table", "spectrum", "--store", store, "--until", "4", "--bins", "50").stdout)
+    (table,) = tables(run("table", "spectrum", "--store", store, "--omega-max", "4", "--bins", "50").stdout)
     empty = column(table, "density") == 0
     assert empty.sum() > 20 and np.array_equal(np.isnan(column(table, "density_high")), empty)
     assert np.array_equal(column(table, "density_err")[empty], np.zeros(empty.sum()))
-    for args in (("--bins", "7"), ("--bins", "1"), ("--until", "0.5"), ("--bins", "40", "--until", "3.7")):
+    for args in (("--bins", "7"), ("--bins", "1"), ("--omega-max", "0.5"), ("--bins", "40", "--omega-max", "3.7")):
         table = spectrum(store, *args)
         check_histogram(table, samples)
         options = dict(zip(args[::2], args[1::2]))
         assert len(table[2]) == int(options.get("--bins", default))
-        assert column(table, "high")[-1] == float(options.get("--until", until))
-    assert column(spectrum(store, "--until", "0.5"), "cumulative")[-1] < 2.5  # modes above are not in it
+        assert column(table, "high")[-1] == float(options.get("--omega-max", until))
+    assert column(spectrum(store, "--omega-max", "0.5"), "cumulative")[-1] < 2.5  # modes above are not in it
     # the same as of one packing
     path = sorted(store.glob("*.h5"))[0]
-    (one,) = tables(run("spectrum", "dos", path, "--method", "exact", "--bins", "40", "--until", "1.5").stdout)
+    (one,) = tables(run("spectrum", "dos", path, "--method", "exact", "--bins", "40", "--omega-max", "1.5").stdout)
     omega, carrying = stored(store)[0]
     counts, _ = np.histogram(omega, bins=np.linspace(0, 1.5, 41))
     assert np.allclose(column(one, "density"), counts / carrying / (1.5 / 40), rtol=1e-12)
@@ -279,7 +279,7 @@ def refused(folder, store):
     assert names_all(done.stderr, "friction")
     one = spectrum(place, "--pressure", "1e-4", "--grains", "60", "--friction", "0.5")
     assert one[1:] == spectrum(store)[1:]
-    for args, word in ((("--bins", "0"), "--bins"), (("--bins", "x"), "--bins"), (("--until", "-1"), "--until"),
+    for args, word in ((("--bins", "0"), "--bins"), (("--bins", "x"), "--bins"), (("--omega-max", "-1"), "--omega-max"),
                        (("--bins", "10001"), "10000")):
         assert names_all(run("table", "spectrum", "--store", store, *args, status=2).stderr, word)
     assert names_all(run("table", "ctof", "--store", store, "--bins", "3", status=2).stderr, "--bins")

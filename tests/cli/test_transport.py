@@ -4,7 +4,6 @@ Usage: test_transport.py COMMAND SOURCE_DIR"""
 import math
 import os
 import re
-import subprocess
 import sys
 import tempfile
 
@@ -35,6 +34,12 @@ def mean_of_files(options, values, files=(N200, N600)):
         assert samples == one["samples"][l] + two["samples"][l], (options, l)
     assert max(both["samples"]) == 2, options
     return one, two, both
+
+
+def test_rows():
+    """A frequency without modes leaves the others their values, and is named."""
+    t = rows(N200, "--quantity", "split", "--at", "0.001,0.4")[1]
+    assert t["samples"] == [0, 1] and not any(math.isnan(t[name][1]) for name in t), t
 
 
 def test_spread(other):
@@ -143,24 +148,6 @@ def chain(*arguments):
     return comments, {name: [float(cell[c]) for cell in cells] for c, name in enumerate(header)}
 
 
-def test_figure(folder):
-    tables = [os.path.join(folder, name + ".tsv") for name in ("kubo", "coherent", "split")]
-    figure = os.path.join(folder, "transport.svg")
-    run("transport", N600, "--quantity", "kubo", "--at", "0.2:0.5:4", "-o", tables[0])
-    run("transport", N600, "--quantity", "coherent", "--at", "0.06:0.3:4", "-o", tables[1])
-    run("transport", N200, "--quantity", "split", "--at", "0.3", "-o", tables[2])
-    run("plot", "transport", *tables[:2], "-o", figure)
-    both = open(figure).read()
-    assert "(a)" in both and "(b)" in both and "mean free path" in both
-    run("plot", "transport", tables[1], "-o", figure, "--force")
-    one = open(figure).read()
-    assert "(a)" not in one and "mean free path" in one
-    assert names_all(run("plot", "transport", tables[2], "-o", figure, "--force", status=1), "D path")
-    with open(tables[2], "w") as file:
-        file.write("D\tD_err\n1\t0.1\n")
-    assert names_all(run("plot", "transport", tables[2], "-o", figure, "--force", status=1), "omega")
-
-
 def test_lattice(folder):
     """In a lattice nothing is scattered: a bound for the mean free path, no diffusivity."""
     scene = os.path.join(folder, "lattice.cfg")
@@ -185,27 +172,12 @@ def test_lattice(folder):
     assert all(map(math.isnan, spread["D"])), spread
 
 
-def test_refused():
-    for arguments, status, words in (
-            (["none.h5"], 1, "none.h5"), ([], 2, ""), ([N200, "--at", "0"], 2, "--at"),
-            ([N200, "--quantity", "x"], 2, "--quantity"), ([N200, "--axis", "y"], 2, "--axis"),
-            ([N200, "--shear"], 2, "--shear"), ([N200, "--width", "0"], 2, "--width"),
-            ([N200, "--quantity", "coherent", "--axis", "x"], 2, "--axis"),
-            ([N200, "--smear", "0.05"], 2, "--smear"), ([N200, "--quantity", "kubo", "--waves", "2"], 2, "--waves"),
-            ([N200, "--quantity", "kubo", "--sources", "4"], 2, "--sources"),
-            ([N200, "--quantity", "coherent", "--width", "0.1"], 2, "--width"),
-            ([N200, "--quantity", "split", "--until", "9"], 2, "--until"),
-            ([N200, "--sources", "1"], 2, "--sources"), ([N200, "--waves", "0"], 2, "--waves"),
-            ([N200, "--at", "1e3"], 1, ""), ([N200, "--prestress", "--at", "0.2"], 1, "N200")):
-        done = subprocess.run([COMMAND, "transport", *map(str, arguments)], capture_output=True, text=True)
-        assert done.returncode == status and names_all(done.stderr, words if words != "N200" else ""), (arguments, done)
-
-
 with tempfile.TemporaryDirectory() as folder:
     other = os.path.join(folder, "other.h5")
     with open(os.path.join(folder, "other.cfg"), "w") as file:
         file.write('packing = { protocol = "quick"; grains = 600; pressure = 1e-4; seed = 3; };\n')
     run("pack", os.path.join(folder, "other.cfg"), "-o", other)
+    test_rows()
     test_spread(other)
     test_kubo()
     test_coherent(other)
@@ -213,5 +185,3 @@ with tempfile.TemporaryDirectory() as folder:
     test_energy(other)
     test_chain()
     test_lattice(folder)
-    test_figure(folder)
-    test_refused()

@@ -155,9 +155,6 @@ def clusters(folder, rng):
         at = int(part["n"][0])
         assert at == int(comments["zero_modes"])
         assert np.all(np.abs(part["omega"] - m["omega"][at:at + 20]) <= part["error"] + m["error"][at:at + 20])
-        printed = folder / "modes.tsv"
-        run("modes", path, "-o", printed, "--force")
-        run("plot", "modes", printed, "-o", folder / "modes.svg", "--force")
         for kind in ("dos", "participation"):
             run("spectrum", kind, path)
         for command in (["signal", path, "--until", 10], ["signal", path, "--until", 10, "--method", "dense"],

@@ -8,8 +8,6 @@ import subprocess
 import sys
 import tempfile
 
-from common import names_all
-
 COMMAND, SOURCE = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
 N200 = os.path.join(SOURCE, "packings/reference/packing_N200_p1e-4.txt")
 FOLDER = tempfile.TemporaryDirectory()
@@ -106,18 +104,6 @@ def test_formats():
     run("uncertainty", N200, "--force=0.1", "--samples=10", "-o", "u.csv")
 
 
-def test_refuses():
-    for words, named in ((["--samples=3"], "samples 3"), (["--position=-1"], "--position -1"), (["--false=2"], "--false 2"),
-                         (["--from=overlaps", "--force=0.1"], "force"), (["--from=overlaps", "--missing=0.1"], "missing"),
-                         (["--samples=0", "--sampled-only"], "samples 0"), (["--from=guess"], "--from guess")):
-        done = run("uncertainty", N200, *words, status=2)
-        assert names_all(done.stderr, named) and not done.stdout, (words, done.stderr)
-    done = run("uncertainty", N200, "--samples=10", status=2)  # no error of the packing: nothing to tell
-    assert names_all(done.stderr, "position") and not done.stdout, done.stderr
-    run("uncertainty", N200, N200, status=2)
-    run("uncertainty", "absent.h5", status=1)
-
-
-for test in (test_values, test_photoelastic, test_first_order, test_samples, test_units, test_formats, test_refuses):
+for test in (test_values, test_photoelastic, test_first_order, test_samples, test_units, test_formats):
     test()
 print("errors of measured packings are told")

@@ -192,10 +192,6 @@ def check_tables_of_motions(folder):
         for name, more in (("own", ()), ("si", ("--units=si",))):
             sonopack("modes", f"{packing}.h5", f"--mode={mode}", f"--vectors={name}.tsv", "-q", "--force", *more, cwd=folder)
         assert compare(*(Table((folder / f"{name}.tsv").read_text()) for name in ("own", "si"))) > 4
-    # a table in SI is not taken for one in diameters, and a figure that shows diameters is not in SI
-    sonopack("plot", "mode", "P.h5", "own.tsv", "-o", "mode.png", cwd=folder)
-    sonopack("plot", "mode", "P.h5", "si.tsv", "-o", "x.png", status=1, cwd=folder)
-    sonopack("plot", "mode", "P.h5", "--units=si", "-o", "x.png", status=2, cwd=folder)
 
 
 def check_study(folder):

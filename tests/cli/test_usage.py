@@ -52,31 +52,6 @@ def rows(text):
     return [dict(zip(lines[0], line, strict=True)) for line in lines[1:]]
 
 
-def check_wrong_usage():
-    nothing = run()
-    expect(nothing.returncode == 2 and not nothing.stdout and names_all(nothing.stderr, "pack"),
-           "no command: help on stderr")
-    expect_status(2, "pak", reason="pack")
-    expect_status(2, "xyzzy", reason="xyzzy")
-    expect_status(2, "--frobnicate", reason="--frobnicate")
-    expect_status(2, "help", "nothing", reason="nothing")
-    expect_status(2, "pack", "--frobnicate", reason="--frobnicate")
-    expect_status(2, "pack", *SMALL, reason="")
-    expect_status(2, "pack", "a.cfg", "b.cfg", "-o", "x.h5", reason="")
-    expect_status(2, "pack", *SMALL, "--seed", "-1", "-o", "x.h5", reason="--seed -1")
-    expect_status(2, "pack", *SMALL, "--seed", "1.5", "-o", "x.h5", reason="--seed 1.5")
-    expect_status(2, "pack", *SMALL, "--threads", "0", "-o", "x.h5", reason="--threads 0")
-    expect_status(2, "pack", *SMALL, "--threads", "nan", "-o", "x.h5", reason="--threads nan")
-    expect_status(2, "pack", *SMALL, "--format", "xml", "-o", "x.h5", reason="--format xml")
-    expect_status(2, "check", reason="")
-    expect_status(2, "statics", reason="")
-    expect_status(2, "check", "x.h5", "--tolerance", "0x1", reason="--tolerance 0x1")
-    expect_status(2, "statics", "x.h5", "--margin", "inf", reason="--margin inf")
-    expect_status(2, "statics", "x.h5", "--set", "packing.grains=3", reason="packing.grains")
-    expect_status(2, "statics", "x.h5", "--set", "network.threshold=7", reason="network.threshold 7")
-    expect_status(2, "pack", *SMALL, *["--set", "packing.friction=0.5"] * 300, "-o", "x.h5", reason="--set")
-
-
 def check_help():
     for arguments in (["help"], ["--help"], ["help", "help"]):
         result = expect_status(0, *arguments)
@@ -360,7 +335,6 @@ def main():
     folder = pathlib.Path(tempfile.mkdtemp(prefix="sonopack-usage-"))
     os.chdir(folder)
     try:
-        check_wrong_usage()
         check_help()
         check_streams(folder)
         check_overwriting(folder)

@@ -82,43 +82,6 @@ def main():
         short = rows(N600, "--at", "1e-9,1e-3,0.1")
         assert [math.isnan(k) for k in short["k"]] == [True, True, False] and list(short["samples"]) == [0, 0, 1], short
         assert names_all(done.stderr, "nan 2 3"), done.stderr
-        waves, figure = os.path.join(folder, "waves.tsv"), os.path.join(folder, "waves.svg")
-        run("wave", N600, "-o", waves)
-        run("plot", "wave", waves, "-o", figure)
-        words = open(figure).read()
-        assert "wave" in words and len(words) > 5000
-        for name, text, reason in (("other", "a\tb\n1\t2\n", ""), ("empty", "k\tspeed\n", ""),
-                                   ("none", "\t".join(("k", "speed", "speed_err", "alpha", "alpha_err")) +
-                                    "\nnan\tnan\tnan\tnan\tnan\n", "")):
-            table_file = os.path.join(folder, name + ".tsv")
-            with open(table_file, "w") as file:
-                file.write(text)
-            done = subprocess.run([COMMAND, "plot", "wave", table_file, "-o", figure, "--force"], capture_output=True,
-                                  text=True)
-            assert done.returncode in (1, 2) and names_all(done.stderr, reason), (name, done)
-        # Rayleigh's law goes with the dimension that the table says
-        for dimension, law in (("2", "3"), ("3", "4"), (None, None)):
-            made = os.path.join(folder, "law.tsv")
-            with open(made, "w") as file:
-                if dimension:
-                    file.write(f"# dimension = {dimension}\n")
-                file.write("omega\tk\tspeed\tspeed_err\talpha\talpha_err\n")
-                for k in (0.05, 0.1, 0.2):
-                    file.write(f"{0.2 * k}\t{k}\t0.2\t0.001\t{0.5 * k ** int(law or 3)}\t{1e-3 * k ** int(law or 3)}\n")
-            run("plot", "wave", made, "-o", figure, "--force")
-            words = open(figure).read()
-            lengths = {2: "d", 3: "d^2", 4: "d^3"}.get(law)
-        assert (f"0.5 {lengths} k^{law}" in words) == bool(law), law
-        flat = pack(os.path.join(folder, "flat.h5"), grains=100, width=24)
-        spheres = pack(os.path.join(folder, "spheres.h5"), dimension=3, grains=100, width=5, friction=0, tolerance=1e-6)
-        for arguments, status, text in (
-                ([flat], 1, "planes at distances of 1"), ([N600, spheres], 1, "has 3 dimensions"), ([N600, flat], 1, "flat.h5"),
-                (["none.h5"], 1, "none.h5"), ([], 2, "no file"), ([N600, "--at", "0"], 2, "--at"),
-                ([N600, "--at", "nan"], 2, "--at"), ([N600, "--at", "0.2:0.1:3"], 2, "LOW must be below HIGH"),
-                ([N600, "--at", "1e6"], 2, "omega = 1e+06"), ([N600, "--part", "2"], 2, "--part"),
-                ([N600, "--spacing", "0"], 2, "--spacing"), ([N600, "--source", "x"], 2, "--source")):
-            reason = run("wave", *arguments, status=status)
-            assert names_all(reason, text), (arguments, reason)
 
 
 main()

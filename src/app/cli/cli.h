@@ -2,6 +2,8 @@
 #define SP_CLI_H
 /* What the commands share: common options, exit statuses, messages and output. Only src/app prints or exits. */
 
+#include "table/quantity.h"
+
 #include <sonopack/sonopack.h>
 #include <sonopack/study/store.h>
 #include <stdbool.h>
@@ -13,8 +15,9 @@ enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2 };
 typedef struct cli_quantity {
     const struct cli_option *option;
     const char *text;
+    void *field; /* where its value goes */
 } cli_quantity;
-enum { CLI_QUANTITIES_MAX = 16 };
+enum { CLI_QUANTITIES_MAX = 16, CLI_LATE_MAX = 32 };
 
 /* The first member of the arguments of every command. cli_parse fills it in. */
 typedef struct cli_common {
@@ -24,9 +27,7 @@ typedef struct cli_common {
     sp_table_format format;
     bool format_given;
     int sets;
-    char *set[256];   /* KEY=VALUE of each --set */
-    double threshold; /* --threshold; < 0: not given */
-    bool prestress;
+    char *set[256];       /* KEY=VALUE of each --set */
     int units;            /* --units: CLI_UNITS_OWN or CLI_UNITS_SI */
     sp_material material; /* --material; young = 0: not given */
     sp_material found;    /* of the first file, or of the scene, that has one */
@@ -35,9 +36,11 @@ typedef struct cli_common {
     bool converted;       /* an option got its value from a material */
     int quantities;
     cli_quantity quantity[CLI_QUANTITIES_MAX];
-    uint64_t given; /* see cli_given */
-    int kind;       /* index of the word KIND */
-    int files;      /* the other arguments */
+    int lates;
+    cli_quantity late[CLI_LATE_MAX]; /* options of the scene, which is made from --set first */
+    uint64_t given;                  /* see cli_given */
+    int kind;                        /* index of the word KIND */
+    int files;                       /* the other arguments */
     char **file;
 } cli_common;
 
@@ -86,7 +89,8 @@ typedef enum cli_option_kind {
     CLI_FLAG,       /* sets a bool to true */
     CLI_TEXT,       /* const char *: the argument itself */
     CLI_NUMBER,     /* double between low and high */
-    CLI_INTEGER,    /* int64_t between low and high */
+    CLI_INTEGER,    /* int64_t or uint64_t between low and high */
+    CLI_INT,        /* the same, int32_t */
     CLI_CHOICE      /* int: the index of the argument in `words` */
 } cli_option_kind;
 
@@ -96,13 +100,13 @@ typedef struct cli_option {
     const char *argument; /* its name in the help; NULL for a flag */
     const char *help;
     cli_option_kind kind;
-    size_t field; /* offset in the arguments */
+    size_t field; /* offset in the arguments, or with `scene' in an sp_scene */
     double low, high;
-    const char *key;          /* the range is that of this scene key, instead of low and high */
+    const char *key; /* the range is that of this scene key, instead of low and high; with `scene' it is this key */
+    bool scene;      /* sets a value of the scene, after --set */
     const char *const *words; /* ended by NULL */
     sp_status (*parse)(void *arguments, const char *text, sp_error *err);
     const char *kinds;          /* the words KIND that take the option, separated by blanks; NULL: all */
-    const char *alias;          /* an older name */
     int letter;                 /* short option */
     const char *unit;           /* of a number: it may be given with another unit of the same dimension */
     const char *(*word)(int k); /* CLI_PARSED: words that it takes, for completion; NULL after the last */
@@ -132,7 +136,7 @@ void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments)
  * last. For completion. */
 const cli_syntax *cli_syntax_of(const cli_command_row *command);
 const cli_option *cli_option_at(const cli_syntax *syntax, int k);
-/* Whether the command line has this option, or its alias. */
+/* Whether the command line has this option. */
 bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *name);
 /* SP_EINVAL if this option is given and not used: it would do nothing without `other`, for the message. */
 sp_status cli_need(const cli_syntax *syntax, const cli_common *common, const char *name, bool used, const char *other,
@@ -153,9 +157,11 @@ sp_status cli_number(const char *option, const char *text, double low, double hi
 sp_status cli_integer(const char *option, const char *text, int64_t low, int64_t high, int64_t *out, sp_error *err);
 /* Frequencies W, or W1,W2,..., or LOW:HIGH:N of --at; omega has `capacity` elements. */
 sp_status cli_frequencies(const char *text, int32_t capacity, int32_t *n, double *omega, sp_error *err);
-/* A scene from --set, --threshold and --prestress, for commands that read packings. `groups` names the groups of keys
+/* A scene from --set and from options of the scene, for commands that read packings. `groups` names the groups of keys
  * that --set takes, as in "network signal". Free with sp_scene_free. */
-sp_status cli_scene_of_sets(const cli_common *common, const char *groups, sp_scene *out, sp_error *err);
+sp_status cli_scene_of_sets(cli_common *common, const char *groups, sp_scene *out, sp_error *err);
+/* Gives the scene the options that are values of it. */
+sp_status cli_set_scene(cli_common *common, sp_scene *scene, sp_error *err);
 
 /* ---- units (material.c) ----------------------------------------------------------------------------------------- */
 
@@ -163,7 +169,7 @@ enum { CLI_UNITS_OWN = 0, CLI_UNITS_SI };
 /* Reads --material: E=...,nu=...,rho=...,d=..., whose values may have units. */
 sp_status cli_set_material(void *arguments, const char *text, sp_error *err);
 /* Keeps an option whose text is a number with a unit until the material is known. False for any other text. */
-bool cli_keep_quantity(cli_common *common, const cli_option *option, const char *text);
+bool cli_keep_quantity(cli_common *common, const cli_option *option, void *field, const char *text);
 /* Gives the kept options their values. SP_EINVAL names the option. */
 sp_status cli_set_quantities(void *arguments, const sp_material *m, sp_error *err);
 /* The material of a file or of the scene, which may be unknown (young = 0); --material is stronger. Sets the options
@@ -228,12 +234,15 @@ sp_status cli_may_write_table(const cli_common *common, sp_error *err);
 /* Prints the table, or writes it to common->output in the format of that ending. Adds a comment with the version. */
 sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err);
 
-/* Adds columns and comments to a table. After a failure the calls do nothing, so that a caller may make several and
- * check `status` once. */
+/* Adds columns, comments and rows to a table. After a failure the calls do nothing, so that a caller may make several
+ * and check `status` once. */
+enum { CLI_CELLS_MAX = 64 };
 typedef struct cli_writer {
     sp_table *table;
     sp_error *err;
     sp_status status; /* SP_OK at the start */
+    int cells;        /* of the row that is being made */
+    sp_cell cell[CLI_CELLS_MAX];
 } cli_writer;
 
 /* Columns of one kind: pairs of name and unit, ended by NULL. */
@@ -241,5 +250,13 @@ void cli_columns(cli_writer *w, sp_cell_kind kind, ...) __attribute__((sentinel)
 void cli_comment(cli_writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* The comment "key = value", with all digits of the value. */
 void cli_value(cli_writer *w, const char *key, double value);
+/* Columns of the quantities of a result, whose symbols stand between blanks. */
+void cli_quantity_columns(cli_writer *w, const sp_quantity *all, const char *symbols);
+/* The next cell of a row: a number, as the kind of its column has it, or a text, which lives until cli_end_row; those
+ * of the quantities of a result. */
+void cli_put(cli_writer *w, double number);
+void cli_put_text(cli_writer *w, const char *text);
+void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbols, const void *of);
+void cli_end_row(cli_writer *w);
 
 #endif

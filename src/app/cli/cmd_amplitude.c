@@ -8,10 +8,9 @@ enum { CYCLES = 6 };
 
 typedef struct arguments {
     cli_common common;
-    double until, tolerance; /* until < 0: not given */
-    double omega;            /* 0: pulses */
+    sp_amplitude_options o;
+    double omega; /* 0: pulses */
     int64_t cycles;
-    int source; /* sp_source */
     bool mean;
     int64_t planes; /* 0: the front at the top wall */
     int32_t n;
@@ -38,7 +37,7 @@ static sp_status set_amplitudes(void *user, const char *text, sp_error *err) {
 
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
-    if (a->omega > 0 && (a->mean || a->until > 0 || a->source != SP_SOURCE_IMPULSE))
+    if (a->omega > 0 && (a->mean || a->o.until > 0 || a->o.source != SP_SOURCE_IMPULSE))
         return sp_fail(err, SP_EINVAL, "--omega cannot be combined with --mean, --until or --source");
     if (a->cycles > 0 && !(a->omega > 0))
         return sp_fail(err, SP_EINVAL, "--cycles: applies only to a burst, --omega");
@@ -62,11 +61,11 @@ static const cli_option options[] = {
     {"cycles", "N", "With --omega: length of the burst in periods (6)", CLI_INTEGER,
      .field = offsetof(arguments, cycles), .low = 3, .high = 10000},
     {"until", "T", "Last time; a run ends behind the front [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6))", CLI_NUMBER,
-     .field = offsetof(arguments, until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
+     .field = offsetof(arguments, o.until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"tolerance", "EPS", "Largest relative error of the speed and of the balance of energy (0.001)", CLI_NUMBER,
-     .field = offsetof(arguments, tolerance), .low = 1e-8, .high = 0.1},
+     .field = offsetof(arguments, o.tolerance), .low = 1e-8, .high = 0.1},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, as in signal (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, source), .words = cli_source_names},
+     .field = offsetof(arguments, o.source), .words = cli_source_names},
     {0}};
 
 static const cli_syntax syntax = {
@@ -115,8 +114,8 @@ static const cli_syntax syntax = {
 static sp_status begin(void *user, sp_table *t, sp_error *err) {
     const arguments *a = user;
     cli_writer w = {.table = t, .err = err};
-    cli_comment(&w, "source = %s", cli_source_names[a->source]);
-    cli_value(&w, "tolerance", a->tolerance);
+    cli_comment(&w, "source = %s", cli_source_names[a->o.source]);
+    cli_value(&w, "tolerance", a->o.tolerance);
     if (w.status == SP_OK && a->omega > 0)
         w.status = amplitude_burst_columns(a->planes > 0, t, err);
     else if (w.status == SP_OK && a->planes > 0)
@@ -128,24 +127,20 @@ static sp_status begin(void *user, sp_table *t, sp_error *err) {
 
 static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
     arguments *a = user;
-    sp_amplitude_options o = sp_amplitude_options_default();
-    o.source = (sp_source)a->source;
-    o.tolerance = a->tolerance;
-    o.until = a->until > 0 ? a->until : 0;
     sp_status status = SP_OK;
     if (a->omega > 0) {
         for (int32_t k = 0; k < a->n && status == SP_OK; k++) {
             const sp_amplitude_burst b = {a->amplitude[k], a->omega, a->cycles > 0 ? (int32_t)a->cycles : CYCLES};
-            status = amplitude_burst_rows(file, &o, &b, (int32_t)a->planes, t, err);
+            status = amplitude_burst_rows(file, &a->o, &b, (int32_t)a->planes, t, err);
         }
         return status;
     }
     if (a->planes > 0) {
         for (int32_t k = 0; k < a->n && status == SP_OK; k++)
-            status = amplitude_plane_rows(file, &o, a->amplitude[k], (int32_t)a->planes, t, err);
+            status = amplitude_plane_rows(file, &a->o, a->amplitude[k], (int32_t)a->planes, t, err);
         return status;
     }
-    status = sp_amplitude_pulses(&file->packing, &o, a->n, a->amplitude, a->pulse, NULL, err);
+    status = sp_amplitude_pulses(&file->packing, &a->o, a->n, a->amplitude, a->pulse, NULL, err);
     for (int32_t k = 0; k < a->n && status == SP_OK; k++)
         status = a->mean ? amplitude_add_mean(&a->means, &file->packing, &a->pulse[k], err)
                          : amplitude_add_row(file->path, file->packing.pressure, &a->pulse[k], t, err);
@@ -160,7 +155,7 @@ static sp_status end(void *user, sp_table *t, sp_error *err) {
 int cmd_amplitude(int argc, char **argv) {
     static const cli_files command = {
         .groups = "", .contents = CLI_PACKING, .begin = begin, .add = add_rows, .end = end};
-    arguments a = {.until = -1, .tolerance = sp_amplitude_options_default().tolerance, .n = 5};
+    arguments a = {.o = sp_amplitude_options_default(), .n = 5};
     for (int k = 0; k < a.n; k++)
         a.amplitude[k] = (const double[]){0.001, 0.01, 0.1, 1, 10}[k];
     cli_parse(&syntax, argc, argv, &a);

@@ -1,22 +1,34 @@
 /* sonopack coda: finds the grain whose contacts have changed, from the change of signals. */
 #include "base/base.h"
-#include "cli/coda.h"
+#include "cli/excitation.h"
+#include "cli/files.h"
+#include "cli/trace.h"
+#include "numeric/random.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
+typedef struct arguments {
+    cli_common common;
+    const char *before, *after; /* tables of measured signals; NULL: computed ones */
+    double change, noise, low, high;
+    int64_t grain, trials, seed, points, rows;
+    cli_places sources, detectors;
+    int component, source;
+} arguments;
+
 static sp_status add_source(void *user, const char *word, sp_error *err) {
-    return cli_places_add(&((coda_arguments *)user)->sources, "--from", word, err);
+    return cli_places_add(&((arguments *)user)->sources, "--from", word, err);
 }
 
 static sp_status add_detector(void *user, const char *word, sp_error *err) {
-    return cli_places_add(&((coda_arguments *)user)->detectors, "--detector", word, err);
+    return cli_places_add(&((arguments *)user)->detectors, "--detector", word, err);
 }
 
 static sp_status set_window(void *user, const char *text, sp_error *err) {
-    coda_arguments *a = user;
+    arguments *a = user;
     char first[64] = "";
     const char *colon = strchr(text, ':');
     const size_t length = colon ? (size_t)(colon - text) : 0;
@@ -34,40 +46,39 @@ static sp_status set_window(void *user, const char *text, sp_error *err) {
 static const cli_option options[] = {
     {.help = "Measured signals:"},
     {"before", "TABLE", "Signals before the change: columns t and F, or F1, F2, ...", CLI_TEXT,
-     .field = offsetof(coda_arguments, before)},
-    {"after", "TABLE", "Signals after the change, at the same times", CLI_TEXT,
-     .field = offsetof(coda_arguments, after)},
+     .field = offsetof(arguments, before)},
+    {"after", "TABLE", "Signals after the change, at the same times", CLI_TEXT, .field = offsetof(arguments, after)},
     {.help = "Computed signals:"},
     {"change", "EPS", "Relative change of the stiffness of all contacts of a grain (0.01)", CLI_NUMBER,
-     .field = offsetof(coda_arguments, change), .low = -0.99, .high = 10},
-    {"grain", "I", "The grain that changes", CLI_INTEGER, .field = offsetof(coda_arguments, grain), .high = INT32_MAX},
+     .field = offsetof(arguments, change), .low = -0.99, .high = 10},
+    {"grain", "I", "The grain that changes", CLI_INTEGER, .field = offsetof(arguments, grain), .high = INT32_MAX},
     {"trials", "N", "Change N grains drawn at random, one after another, and tell how far away they are found",
-     CLI_INTEGER, .field = offsetof(coda_arguments, trials), .low = 1, .high = 1000000},
-    {"seed", "S", "Seed of the noise and of the trials (1)", CLI_INTEGER, .field = offsetof(coda_arguments, seed),
+     CLI_INTEGER, .field = offsetof(arguments, trials), .low = 1, .high = 1000000},
+    {"seed", "S", "Seed of the noise and of the trials (1)", CLI_INTEGER, .field = offsetof(arguments, seed),
      .high = 1e15},
     {"points", "N", "Number of equally spaced times in the window (400)", CLI_INTEGER,
-     .field = offsetof(coda_arguments, points), .low = 10, .high = 1000000},
+     .field = offsetof(arguments, points), .low = 10, .high = 1000000},
     {.help = "Comparison:"},
     {"window", "T1:T2", "Times that are compared [d/sqrt(E* / rho)] (W/2:2 W with W = (8 H + 40) (p/1e-4)^(-1/6))",
      .parse = set_window},
     {"noise", "SD",
      "Noise of both signals, relative to the root mean square of the signal in the window (0; of measured signals what "
      "the best fit leaves)",
-     CLI_NUMBER, .field = offsetof(coda_arguments, noise), .high = 1e6},
+     CLI_NUMBER, .field = offsetof(arguments, noise), .high = 1e6},
     {"from", "PLACE", "Source, as in signal (bottom); repeatable", .parse = add_source},
     {"detector", "PLACE", "Detector, as in signal (top); repeatable", .parse = add_detector},
     {"component", "normal|shear", "Component at every PLACE without one (normal)", CLI_CHOICE,
-     .field = offsetof(coda_arguments, component), .words = cli_component_names},
+     .field = offsetof(arguments, component), .words = cli_component_names},
     {"source", "impulse|velocity|displacement", "Kind of source (impulse)", CLI_CHOICE,
-     .field = offsetof(coda_arguments, source), .words = cli_source_names},
-    {"rows", "N", "Print the N most probable grains (20)", CLI_INTEGER, .field = offsetof(coda_arguments, rows),
-     .low = 1, .high = INT32_MAX},
+     .field = offsetof(arguments, source), .words = cli_source_names},
+    {"rows", "N", "Print the N most probable grains (20)", CLI_INTEGER, .field = offsetof(arguments, rows), .low = 1,
+     .high = INT32_MAX},
     {0}};
 
 static const cli_syntax syntax;
 
 static sp_status check(void *user, sp_error *err) {
-    const coda_arguments *a = user;
+    const arguments *a = user;
     const bool measured = a->before || a->after;
     if (measured && !(a->before && a->after))
         return sp_fail(err, SP_EINVAL, "--before and --after: must be given both");
@@ -108,8 +119,309 @@ static const cli_syntax syntax = {
     .springs = true,
     .check = check};
 
+/* Signals on the times of the window. */
+typedef struct signals {
+    int32_t times, pairs;
+    double *t;               /* [times] */
+    double *before, *change; /* [pairs][times] */
+    double *base;            /* [pairs][times] computed signals without the change */
+    double noise;            /* standard deviation of each value of the change; 0: unknown */
+} signals;
+
+static void free_signals(signals *s) {
+    sp_free(s->t);
+    sp_free(s->before);
+    sp_free(s->change);
+    sp_free(s->base);
+}
+
+static sp_status alloc_signals(signals *s, sp_error *err) {
+    const size_t values = (size_t)s->pairs * (size_t)s->times;
+    s->t = sp_alloc((size_t)s->times, sizeof *s->t);
+    s->before = sp_alloc(values, sizeof *s->before);
+    s->change = sp_alloc(values, sizeof *s->change);
+    s->base = sp_alloc(values, sizeof *s->base);
+    return s->t && s->before && s->change && s->base ? SP_OK : sp_fail_memory(err, 4 * values * sizeof *s->before);
+}
+
+/* ---- measured signals ------------------------------------------------------------------------------------------- */
+
+static sp_status find_columns(const sp_table *t, const char *path, int32_t pairs, int *time, int *force,
+                              sp_error *err) {
+    char next[16];
+    *time = sp_table_find_column(t, "t");
+    *force = sp_table_find_column(t, pairs > 1 ? "F1" : "F");
+    if (*force < 0)
+        *force = sp_table_find_column(t, "F1");
+    if (*time < 0 || *force < 0 || *force + pairs > t->columns)
+        return sp_fail(err, SP_EFORMAT,
+                       "%s: must have the columns t and %s, one for each pair of a source and a detector", path,
+                       pairs > 1 ? "F1, F2, ..." : "F");
+    snprintf(next, sizeof next, "F%d", pairs + 1);
+    if (sp_table_find_column(t, next) >= 0)
+        return sp_fail(err, SP_EFORMAT,
+                       "%s: has a column %s, but sources and detectors are only %d pair%s: --from and --detector must "
+                       "name them all",
+                       path, next, pairs, pairs > 1 ? "s" : "");
+    return SP_OK;
+}
+
+/* Rows of a table within the window. */
+static int32_t first_row(const sp_table *t, int time, double low, double high, int32_t *count) {
+    int32_t first = 0;
+    *count = 0;
+    for (int64_t row = 0; row < t->rows; row++) {
+        const double at = sp_table_number(t, row, time);
+        if (!(at >= low && at <= high))
+            continue;
+        if ((*count)++ == 0)
+            first = (int32_t)row;
+    }
+    return first;
+}
+
+static void copy_columns(const sp_table *t, int32_t first, int time, int force, signals *s, bool after) {
+    for (int32_t l = 0; l < s->times; l++) {
+        s->t[l] = sp_table_number(t, first + l, time);
+        for (int32_t k = 0; k < s->pairs; k++) {
+            const size_t at = (size_t)k * (size_t)s->times + (size_t)l;
+            const double f = sp_table_number(t, first + l, force + k);
+            if (after)
+                s->change[at] = f - s->before[at];
+            else
+                s->before[at] = f;
+        }
+    }
+}
+
+static sp_status same_times(const sp_table *a, const sp_table *b, int time_a, int time_b, const char *path,
+                            sp_error *err) {
+    for (int64_t row = 0; row < a->rows && a->rows == b->rows; row++) {
+        const double x = sp_table_number(a, row, time_a), y = sp_table_number(b, row, time_b);
+        if (!(fabs(x - y) <= 1e-9 * fabs(x)))
+            return sp_fail(err, SP_EINVAL, "%s: row %lld is at t = %g, must be at %g as before the change", path,
+                           (long long)row + 1, y, x);
+    }
+    return a->rows == b->rows ? SP_OK
+                              : sp_fail(err, SP_EINVAL, "%s: has %lld rows, must have %lld as before the change", path,
+                                        (long long)b->rows, (long long)a->rows);
+}
+
+static sp_status read_signals(const arguments *a, signals *s, sp_error *err) {
+    sp_table before = sp_table_none(), after = sp_table_none();
+    int time = 0, force = 0, time_after = 0, force_after = 0;
+    sp_status status = cli_read_table(a->before, &before, err);
+    if (status == SP_OK)
+        status = cli_read_table(a->after, &after, err);
+    if (status == SP_OK)
+        status = find_columns(&before, a->before, s->pairs, &time, &force, err);
+    if (status == SP_OK)
+        status = find_columns(&after, a->after, s->pairs, &time_after, &force_after, err);
+    if (status == SP_OK)
+        status = same_times(&before, &after, time, time_after, a->after, err);
+    if (status == SP_OK) {
+        const int32_t first = first_row(&before, time, a->low, a->high, &s->times);
+        if (s->times < 10)
+            status = sp_fail(err, SP_EINVAL, "%s: has %d rows in the window %g:%g, must have at least 10", a->before,
+                             s->times, a->low, a->high);
+        if (status == SP_OK)
+            status = alloc_signals(s, err);
+        if (status == SP_OK) {
+            copy_columns(&before, first, time, force, s, false);
+            copy_columns(&after, first, time_after, force_after, s, true);
+        }
+    }
+    sp_table_free(&after);
+    sp_table_free(&before);
+    return status;
+}
+
+/* ---- computed signals ------------------------------------------------------------------------------------------- */
+
+static double root_mean_square(const signals *s) {
+    const int64_t values = (int64_t)s->pairs * s->times;
+    double sum = 0;
+    for (int64_t k = 0; k < values; k++)
+        sum += s->before[k] * s->before[k];
+    return sqrt(sum / (double)values);
+}
+
+/* change = after - before, with independent noise in both: sqrt(2) times that of one. */
+static sp_status change_grain(const arguments *a, const sp_network *net, const sp_coda_options *o, int32_t grain,
+                              sp_random *random, signals *s, sp_error *err) {
+    sp_status status = sp_coda_signal(net, o, grain, a->change, s->change, err);
+    for (int64_t k = 0; k < (int64_t)s->pairs * s->times && status == SP_OK; k++)
+        s->change[k] += s->noise * sp_random_normal(random) - s->before[k];
+    return status;
+}
+
+/* ---- the tables ------------------------------------------------------------------------------------------------- */
+
+static double distance(const sp_packing *p, int32_t i, int32_t j) {
+    double d[3];
+    for (int a = 0; a < 3; a++)
+        d[a] = p->x[3 * (size_t)j + (size_t)a] - p->x[3 * (size_t)i + (size_t)a];
+    sp_packing_nearest(p, d);
+    return sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+}
+
+static sp_status add_candidates(const arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
+                                signals *s, sp_coda_candidate *found, sp_table *t, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int32_t k = 0; k < c->n && k < a->rows && status == SP_OK; k++) {
+        const double *x = file->packing.x + 3 * (size_t)found[k].grain;
+        status = sp_coda_first_order(&file->network, o, c, s->base, &found[k], err);
+        if (status == SP_OK)
+            status = sp_table_add_row(t, err, (int64_t)found[k].grain, x[0], x[1], x[2], found[k].probability,
+                                      found[k].change, found[k].error, found[k].misfit);
+    }
+    return status;
+}
+
+static int64_t rank_of(const sp_coda *c, const sp_coda_candidate *found, int32_t grain) {
+    int32_t k = 0;
+    while (k < c->n && found[k].grain != grain)
+        k++;
+    return k + 1;
+}
+
+/* Sums over trials. */
+typedef struct tally {
+    double n, distance, square, hits;
+} tally;
+
+static sp_status add_trial(const sp_packing *p, const sp_coda *c, const sp_coda_candidate *found, int32_t grain,
+                           tally *sum, sp_table *t, sp_error *err) {
+    const double away = distance(p, grain, found[0].grain);
+    sum->n++;
+    sum->distance += away;
+    sum->square += away * away;
+    sum->hits += found[0].grain == grain;
+    return sp_table_add_row(t, err, (int64_t)grain, (int64_t)found[0].grain, rank_of(c, found, grain), away,
+                            found[0].probability, found[0].change, found[0].error, found[0].misfit);
+}
+
+static void add_tally(const arguments *a, const tally *s, cli_writer *w) {
+    const double mean = s->distance / s->n, part = s->hits / s->n;
+    const double likely = (s->hits + 1) / (s->n + 2); /* with none or all found, the error is not 0 */
+    cli_value(w, "change", a->change);
+    cli_value(w, "distance", mean);
+    cli_value(w, "distance_err", sqrt(fmax(s->square / s->n - mean * mean, 0) / fmax(s->n - 1, 1)));
+    cli_value(w, "found", part);
+    cli_value(w, "found_err", sqrt(likely * (1 - likely) / s->n));
+}
+
+static sp_status search_trials(const arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
+                               signals *s, sp_coda_candidate *found, sp_table *t, sp_error *err) {
+    sp_random random = sp_random_make((uint64_t)a->seed, SP_STREAM_TRIALS);
+    cli_writer w = {.table = t, .err = err};
+    tally sum = {0};
+    sp_status status = SP_OK;
+    for (int64_t k = 0; k < a->trials && status == SP_OK; k++) {
+        const int32_t grain = c->grain[sp_random_below(&random, (uint64_t)c->n)];
+        status = change_grain(a, &file->network, o, grain, &random, s, err);
+        if (status == SP_OK)
+            status = sp_coda_locate(c, s->change, s->noise, found, err);
+        if (status == SP_OK)
+            status = sp_coda_first_order(&file->network, o, c, s->base, &found[0], err);
+        if (status == SP_OK)
+            status = add_trial(&file->packing, c, found, grain, &sum, t, err);
+    }
+    if (status == SP_OK)
+        add_tally(a, &sum, &w);
+    return status == SP_OK ? w.status : status;
+}
+
+static sp_status search_one(const arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
+                            signals *s, sp_coda_candidate *found, sp_table *t, sp_error *err) {
+    sp_random random = sp_random_make((uint64_t)a->seed, SP_STREAM_TRIALS);
+    cli_writer w = {.table = t, .err = err};
+    double stretch, error;
+    sp_status status = SP_OK;
+    if (a->grain >= 0)
+        status = change_grain(a, &file->network, o, (int32_t)a->grain, &random, s, err);
+    if (status == SP_OK)
+        status = sp_coda_locate(c, s->change, s->noise, found, err);
+    if (status != SP_OK)
+        return status;
+    sp_coda_stretch(s->times, s->t, s->before, s->change, &stretch, &error);
+    cli_value(&w, "stretch", stretch); /* of the first signal */
+    cli_value(&w, "stretch_err", error);
+    if (a->grain >= 0) {
+        cli_value(&w, "change", a->change);
+        cli_comment(&w, "grain = %lld", (long long)a->grain);
+        cli_value(&w, "distance", distance(&file->packing, (int32_t)a->grain, found[0].grain));
+    }
+    return w.status == SP_OK ? add_candidates(a, file, c, o, s, found, t, err) : w.status;
+}
+
+/* ---- all of it -------------------------------------------------------------------------------------------------- */
+
+static sp_status prepare(arguments *a, const cli_file *file, signals *s, sp_coda_options *o, sp_error *err) {
+    const double usual = sp_signal_window(sp_packing_height(&file->packing), file->packing.pressure);
+    sp_status status;
+    cli_places_set_component(&a->sources, a->component == 1);
+    cli_places_set_component(&a->detectors, a->component == 1);
+    if (isnan(a->low)) {
+        a->low = 0.5 * usual;
+        a->high = 2 * usual;
+    }
+    s->pairs = a->sources.n * a->detectors.n;
+    s->times = (int32_t)a->points;
+    *o = (sp_coda_options){.source = (sp_source)a->source,
+                           .sources = a->sources.n,
+                           .detectors = a->detectors.n,
+                           .from = a->sources.at,
+                           .to = a->detectors.at,
+                           .threads = a->common.threads};
+    status = a->before ? read_signals(a, s, err) : alloc_signals(s, err);
+    o->times = s->times;
+    o->t = s->t;
+    if (status != SP_OK || a->before)
+        return status;
+    for (int32_t l = 0; l < s->times; l++)
+        s->t[l] = a->low + (a->high - a->low) * l / (s->times - 1);
+    return sp_coda_signal(&file->network, o, -1, 0, s->before, err);
+}
+
+static void describe(const arguments *a, const cli_file *file, const sp_coda *c, cli_writer *w) {
+    cli_comment(w, "file = %s", file->path);
+    cli_value(w, "window_low", a->low);
+    cli_value(w, "window_high", a->high);
+    cli_comment(w, "pairs = %d", c->pairs);
+    cli_comment(w, "times = %d", c->times);
+    if (a->noise > 0)
+        cli_value(w, "noise", a->noise);
+}
+
+static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
+    arguments *a = user;
+    signals s = {0};
+    sp_coda c = sp_coda_none();
+    sp_coda_options o;
+    sp_coda_candidate *found = NULL;
+    cli_writer w = {.table = t, .err = err};
+    sp_status status = prepare(a, file, &s, &o, err);
+    if (status == SP_OK)
+        status = sp_coda_make(&file->network, &o, &c, err);
+    if (status == SP_OK) {
+        found = sp_alloc((size_t)c.n, sizeof *found);
+        s.noise = sqrt(2) * a->noise * root_mean_square(&s);
+        status = sp_coda_signal(&file->network, &o, -1, 0, s.base, err);
+        describe(a, file, &c, &w);
+        if (status == SP_OK)
+            status = found ? w.status : sp_fail_memory(err, (size_t)c.n * sizeof *found);
+    }
+    if (status == SP_OK)
+        status = (a->trials > 0 ? search_trials : search_one)(a, file, &c, &o, &s, found, t, err);
+    sp_free(found);
+    sp_coda_free(&c);
+    free_signals(&s);
+    return status;
+}
+
 static sp_status begin(void *user, sp_table *t, sp_error *err) {
-    const coda_arguments *a = user;
+    const arguments *a = user;
     cli_writer w = {.table = t, .err = err};
     if (a->trials > 0) {
         cli_columns(&w, SP_CELL_INTEGER, "grain", "", "found", "", "rank", "", NULL);
@@ -125,15 +437,15 @@ static sp_status begin(void *user, sp_table *t, sp_error *err) {
 
 int cmd_coda(int argc, char **argv) {
     static const cli_files command = {
-        .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = coda_rows};
-    coda_arguments a = {.change = 0.01,
-                        .grain = -1,
-                        .seed = 1,
-                        .points = 400,
-                        .rows = 20,
-                        .low = NAN,
-                        .high = NAN,
-                        .sources = {.sources = true}};
+        .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = add_rows};
+    arguments a = {.change = 0.01,
+                   .grain = -1,
+                   .seed = 1,
+                   .points = 400,
+                   .rows = 20,
+                   .low = NAN,
+                   .high = NAN,
+                   .sources = {.sources = true}};
     cli_parse(&syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

@@ -12,11 +12,11 @@ typedef convert_arguments arguments;
 
 static const cli_option options[] = {
     {"grain-table", "FILE.tsv", "Table of grains: id x y [z] radius. --grains is its older name", CLI_TEXT,
-     .field = offsetof(arguments, grains), .alias = "grains"},
+     .field = offsetof(arguments, grains)},
     {"contact-table", "FILE.tsv",
      "Table of contacts: i j nx ny [nz] overlap Fn Ft. Its older name is --contacts, which with files of other "
      "programs names their list of contacts, or is overlap: all pairs that overlap",
-     CLI_TEXT, .field = offsetof(arguments, contacts), .alias = "contacts"},
+     CLI_TEXT, .field = offsetof(arguments, contacts)},
     {.help = "Packings of other programs:"},
     {"from", "FORM", "Form of IN: " CONVERT_FORMS " (auto)", CLI_CHOICE, .field = offsetof(arguments, from),
      .words = sp_form_names},

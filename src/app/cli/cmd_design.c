@@ -11,8 +11,7 @@ typedef struct arguments {
     cli_common common;
     sp_design_options o;
     const char *packing; /* file of the result */
-    int vary, source, rows;
-    int64_t iterations;
+    int rows;
     bool goal_given;
 } arguments;
 
@@ -67,7 +66,7 @@ static const cli_option options[] = {
      "A late front, an early front, or little energy between two frequencies [sqrt(E* / rho)/d]", .parse = set_goal,
      .words = goal_names},
     {"vary", "mass|modulus|radius", "What of each grain is changed (mass)", CLI_CHOICE,
-     .field = offsetof(arguments, vary), .words = vary_names},
+     .field = offsetof(arguments, o.vary), .words = vary_names},
     {"limits", "LOW:HIGH", "Limits of the factor of each grain (0.5:2; radius: 0.98:1.02)", .parse = set_limits},
     {"free", NULL, "The total mass, sum of moduli or volume need not be kept", CLI_FLAG,
      .field = offsetof(arguments, o.free)},
@@ -75,14 +74,14 @@ static const cli_option options[] = {
      .field = offsetof(arguments, packing)},
     {"rows", "steps|grains", "Rows of the table: the steps of the search, or the grains with their factors (steps)",
      CLI_CHOICE, .field = offsetof(arguments, rows), .words = row_names},
-    {"iterations", "N", "Steps at most; 0: the first gradient alone (50)", CLI_INTEGER,
-     .field = offsetof(arguments, iterations), .high = 100000},
+    {"iterations", "N", "Steps at most; 0: the first gradient alone (50)", CLI_INT,
+     .field = offsetof(arguments, o.iterations), .high = 100000},
     {"tolerance", "EPS", "End where a step gains less than this part of all that was gained (0.001)", CLI_NUMBER,
      .field = offsetof(arguments, o.tolerance), .high = 0.999},
     {"until", "T", "band: length of the signal [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6))", CLI_NUMBER,
      .field = offsetof(arguments, o.until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, source), .words = cli_source_names},
+     .field = offsetof(arguments, o.source), .words = cli_source_names},
     {0}};
 
 static const cli_syntax syntax = {
@@ -175,9 +174,6 @@ static sp_status design(void *user, cli_file *file, sp_table *t, sp_error *err) 
     sp_design d = sp_design_none();
     cli_writer w = {.table = t, .err = err};
     a->o.network = file->scene->network;
-    a->o.vary = (sp_design_variable)a->vary;
-    a->o.source = (sp_source)a->source;
-    a->o.iterations = (int32_t)a->iterations;
     a->o.threads = a->common.threads;
     if (isnan(a->o.low)) {
         a->o.low = a->o.vary == SP_DESIGN_RADIUS ? 0.98 : 0.5;
@@ -202,7 +198,8 @@ static sp_status design(void *user, cli_file *file, sp_table *t, sp_error *err) 
 int cmd_design(int argc, char **argv) {
     static const cli_files command = {
         .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = design};
-    arguments a = {.o = sp_design_options_default(), .iterations = 50};
+    arguments a = {.o = sp_design_options_default()};
+    a.o.iterations = 50;
     a.o.low = a.o.high = NAN; /* they depend on what is varied */
     cli_parse(&syntax, argc, argv, &a);
     return cli_run_files(&command, &a);

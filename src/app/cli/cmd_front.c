@@ -2,7 +2,7 @@
 #include "base/base.h"
 #include "cli/files.h"
 #include "cli/low_box.h"
-#include "cli/plot_input.h"
+#include "cli/trace.h"
 #include "ensemble/sample.h"
 
 #include <math.h>
@@ -20,7 +20,6 @@ typedef struct arguments {
     cli_common common;
     measure window, distance;
     const char *column;
-    int source; /* sp_source; -1: not given */
 } arguments;
 
 static const char *const time_unit = "d/sqrt(E* / rho)"; /* of packings and their signals */
@@ -62,7 +61,7 @@ static const cli_option options[] = {
     {"window", "T", "Search for the front only up to time T", .parse = set_window},
     {"distance", "D", "Distance from source to detector (the height)", .parse = set_distance},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, for packings (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, source), .words = cli_source_names},
+     .scene = true, .key = "signal.source"},
     {"column", "NAME|N",
      "Column of the trace, by name or by number from 1 (F; else all of F1, F2, ...; else the second column of numbers)",
      CLI_TEXT, .field = offsetof(arguments, column)},
@@ -111,8 +110,7 @@ static sp_status packing_front(arguments *a, const cli_file *file, arrival *out,
         if (status == SP_OK && is_given(&a->window))
             status = in_unit(a, &a->window, time_unit, &window, err);
         if (status == SP_OK)
-            status = sp_network_front(&net, a->source >= 0 ? (sp_source)a->source : file->scene->signal.source, window,
-                                      &out->front, err);
+            status = sp_network_front(&net, file->scene->signal.source, window, &out->front, err);
         if (status != SP_OK)
             sp_fail_prefix(err, "%s", file->path);
     }
@@ -154,13 +152,13 @@ static sp_status find_columns(const arguments *a, const sp_table *t, const char 
 /* How far the detector is from the source, if the table says "F2 = from PLACE to PLACE, ..." of the column; else the
  * packing's. */
 static double distance_of(const sp_table *t, const char *column, double height) {
-    plot_detector detector;
-    if (!plot_find_detector(t, column, &detector))
+    cli_detector detector;
+    if (!cli_find_detector(t, column, &detector))
         return height;
     if (strstr(sp_table_get_text(t, column), "grain:"))
         return NAN;
     return isfinite(height) || isfinite(detector.plane)
-               ? plot_way(t, &detector, isfinite(detector.plane) ? detector.plane : height)
+               ? cli_way(t, &detector, isfinite(detector.plane) ? detector.plane : height)
                : NAN;
 }
 
@@ -190,8 +188,8 @@ static sp_status check_error(const arguments *a, const char *path, double error,
 
 static sp_status trace_front(const arguments *a, const char *path, const sp_table *t, int time, int force, arrival *out,
                              sp_error *err) {
-    plot_signal s;
-    sp_status status = plot_column_signal(t, time, force, &s, err);
+    cli_trace s;
+    sp_status status = cli_trace_of(t, time, force, &s, err);
     if (status != SP_OK)
         return status;
     sp_front_options rule = sp_front_options_default();
@@ -239,7 +237,7 @@ static void merge_units(sp_table *t, const arrival *m) {
 static void add_notes(const arguments *a, const char *path, bool packing, const sp_front *f) {
     if (packing && a->column)
         cli_note(&a->common, "%s: is a packing: --column is not used", path);
-    if (!packing && a->source >= 0)
+    if (!packing && cli_given(&syntax, &a->common, "source"))
         cli_note(&a->common, "%s: is a trace: --source is not used", path);
     if (!packing && a->common.sets > 0)
         cli_note(&a->common, "%s: is a trace: --set is not used", path);
@@ -301,7 +299,7 @@ static sp_status add_front(const arguments *a, const char *name, bool packing, a
 static sp_status add_signals(const arguments *a, cli_file *file, const sp_table *read, sp_table *t, sp_error *err) {
     int time = 0, force = 0;
     sp_status status = find_columns(a, read, file->path, &time, &force, err);
-    const int signals = status == SP_OK && !a->column ? plot_count_signals(read, force) : 1;
+    const int signals = status == SP_OK && !a->column ? cli_count_signals(read, force) : 1;
     const size_t size = strlen(file->path) + 16;
     char *name = sp_alloc(size, 1);
     if (status == SP_OK && !name)
@@ -326,7 +324,7 @@ static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err
     sp_table read = sp_table_none();
     arrival m;
     bool packing = false;
-    sp_status status = plot_is_packing(file->path, &packing, err);
+    sp_status status = cli_is_packing(file->path, &packing, err);
     if (status == SP_OK && packing) {
         status = packing_front(a, file, &m, err);
         return status == SP_OK ? add_front(a, file->path, true, &m, t, err) : status;
@@ -343,7 +341,7 @@ static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err
 
 int cmd_front(int argc, char **argv) {
     static const cli_files command = {.groups = "network signal", .begin = add_columns, .add = add_file};
-    arguments a = {.window = {.number = NAN}, .distance = {.number = NAN}, .source = -1};
+    arguments a = {.window = {.number = NAN}, .distance = {.number = NAN}};
     cli_parse(&syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

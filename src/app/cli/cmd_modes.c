@@ -1,6 +1,6 @@
 /* sonopack modes: prints eigenfrequencies and eigenmodes of a packing, all of them or a part. */
 #include "base/base.h"
-#include "cli/dashpots.h"
+#include "cli/excitation.h"
 #include "cli/modes.h"
 
 #include <math.h>

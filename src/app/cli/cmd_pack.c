@@ -15,14 +15,15 @@
 
 typedef struct arguments {
     cli_common common;
-    int64_t seed; /* -1: not given */
     double every;
     pack_engine engine;
 } arguments;
 
+static const cli_syntax syntax;
+
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
-    sp_status status = pack_engine_check(&a->engine, &a->common, a->seed >= 0, err);
+    sp_status status = pack_engine_check(&a->engine, &a->common, cli_given(&syntax, &a->common, "seed"), err);
     if (status != SP_OK)
         return status;
     if (!a->common.output && !a->engine.prepare)
@@ -31,7 +32,7 @@ static sp_status check(void *user, sp_error *err) {
 }
 
 static const cli_option options[] = {
-    {"seed", "S", "Seed of the random numbers", CLI_INTEGER, .field = offsetof(arguments, seed), .high = 9.3e18},
+    {"seed", "S", "Seed of the random numbers", CLI_INTEGER, .scene = true, .key = "packing.seed"},
     {"state-every", "SECONDS", "Save the state of the compression this often (10)", CLI_NUMBER,
      .field = offsetof(arguments, every), .high = 1e9},
     CLI_DRY_RUN,
@@ -301,7 +302,7 @@ static sp_status may_write_output(const arguments *a, sp_error *err) {
     return cli_may_write(&a->common, path, err);
 }
 
-static sp_status read_scene(const arguments *a, sp_scene *scene, sp_error *err) {
+static sp_status read_scene(arguments *a, sp_scene *scene, sp_error *err) {
     char collected[SP_PATH_MAX];
     const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
     sp_status status = SP_OK;
@@ -311,6 +312,8 @@ static sp_status read_scene(const arguments *a, sp_scene *scene, sp_error *err) 
     }
     if (status == SP_OK)
         status = cli_read_scene(&a->common, path, scene, err);
+    if (status == SP_OK)
+        status = cli_set_scene(&a->common, scene, err);
     return status == SP_OK ? sp_scene_resolve(scene, err) : status;
 }
 
@@ -327,8 +330,6 @@ static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *er
         status = read_scene(a, scene, err);
     if (status != SP_OK)
         return status;
-    if (a->seed >= 0)
-        scene->pack.seed = (uint64_t)a->seed;
     if (scene->sweeps > 0)
         cli_note(&a->common, "the scene has sweeps, but only one packing is made: see `sonopack help study'");
     sp_packing from = sp_packing_none();
@@ -346,7 +347,7 @@ static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *er
 }
 
 int cmd_pack(int argc, char **argv) {
-    arguments a = {.seed = -1, .every = 10};
+    arguments a = {.every = 10};
     cli_parse(&syntax, argc, argv, &a);
     sp_error err = {0};
     sp_scene scene = sp_scene_default();

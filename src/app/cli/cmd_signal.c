@@ -1,9 +1,7 @@
 /* sonopack signal: prints the force on the top wall after a short pulse at the bottom wall. */
 #include "base/base.h"
-#include "cli/dashpots.h"
+#include "cli/excitation.h"
 #include "cli/files.h"
-#include "cli/places.h"
-#include "cli/pulse.h"
 #include "packing/geometry.h"
 
 #include <math.h>
@@ -17,24 +15,11 @@ enum { NOT_GIVEN = -1, SIGNALS_MAX = 1000 /* in one table */ };
 
 typedef struct arguments {
     cli_common common;
-    double until, tolerance, step, amplitude; /* < 0: not given */
-    sp_damping damping;                       /* value < 0: not given */
-    int64_t points, planes, modes;            /* points -1: not given */
-    bool front;
-    int solver;                    /* sp_modes_solver */
-    int method, source, component; /* NOT_GIVEN, or sp_signal_method, sp_source, 1 for shear */
+    int64_t planes;
+    int source, component; /* NOT_GIVEN or sp_source, 1 for shear */
     cli_places sources, detectors;
     cli_pulse pulse;
 } arguments;
-
-static const char *method_word(int k) { return sp_signal_method_name((sp_signal_method)k); }
-
-static sp_status set_method(void *user, const char *word, sp_error *err) {
-    const char *names[16] = {NULL};
-    for (int k = 0; k < 15 && sp_signal_method_name((sp_signal_method)k); k++)
-        names[k] = sp_signal_method_name((sp_signal_method)k);
-    return cli_choose("--method", word, names, &((arguments *)user)->method, err);
-}
 
 static sp_status set_pulse(void *user, const char *word, sp_error *err) {
     return cli_pulse_parse(word, &((arguments *)user)->pulse, err);
@@ -62,8 +47,14 @@ static sp_status add_source(void *user, const char *word, sp_error *err) {
     return cli_places_add(&((arguments *)user)->sources, "--from", word, err);
 }
 
-static sp_status set_damping(void *user, const char *word, sp_error *err) {
-    return cli_damping_read(word, 0, 100, &((arguments *)user)->damping, err);
+static sp_status set_damping(void *scene, const char *word, sp_error *err) {
+    sp_signal_options *o = &((sp_scene *)scene)->signal;
+    sp_damping law = sp_signal_damping(o);
+    const sp_status status = cli_damping_read(word, 0, 100, &law, err);
+    o->damping = law.value;
+    o->damping_kind = law.kind;
+    o->damping_ratio = law.ratio;
+    return status;
 }
 
 static sp_status add_detector(void *user, const char *word, sp_error *err) {
@@ -72,31 +63,32 @@ static sp_status add_detector(void *user, const char *word, sp_error *err) {
 
 static const cli_option options[] = {
     {"until", "T", "Last time [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6), after the first front)", CLI_NUMBER,
-     .field = offsetof(arguments, until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
-    {"points", "N", "Number of equally spaced times from 0 to T (801)", CLI_INTEGER,
-     .field = offsetof(arguments, points), .key = "signal.points"},
-    {"method", "METHOD", "How to compute the signal; see below (auto)", .parse = set_method, .word = method_word},
+     .scene = true, .field = offsetof(sp_scene, signal.until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
+    {"points", "N", "Number of equally spaced times from 0 to T (801)", CLI_INT, .scene = true, .key = "signal.points"},
+    {"method", "METHOD", "How to compute the signal; see below (auto)", CLI_CHOICE, .scene = true,
+     .key = "signal.method"},
     {"pulse", "PULSE",
      "Strength of the source against time: delta, gauss:WIDTH, ricker:OMEGA, sine:OMEGA:CYCLES, square:WIDTH or "
      "file:PATH (delta)",
      .parse = set_pulse},
     {"tolerance", "EPS", "Largest error, relative to the largest |F| (1e-10; dynamics: 1e-3)", CLI_NUMBER,
-     .field = offsetof(arguments, tolerance), .key = "signal.tolerance"},
+     .scene = true, .key = "signal.tolerance"},
     {"modes", "K",
      "sparse: use the K lowest modes, regardless of the error (as many as the tolerance needs, nearly always all)",
-     CLI_INTEGER, .field = offsetof(arguments, modes), .low = 1, .high = INT32_MAX},
-    {"solver", CLI_SOLVERS, "sparse: solver of the modes, as in modes (auto)", CLI_CHOICE,
-     .field = offsetof(arguments, solver), .words = cli_solver_names},
+     CLI_INTEGER, .scene = true, .field = offsetof(sp_scene, signal.modes), .low = 1, .high = INT32_MAX},
+    {"solver", CLI_SOLVERS, "sparse: solver of the modes, as in modes (auto)", CLI_CHOICE, .scene = true,
+     .field = offsetof(sp_scene, signal.solver), .words = cli_solver_names},
     {"stop-at-front", NULL, "Stop soon after the first front of every signal; there may be fewer than N points",
-     CLI_FLAG, .field = offsetof(arguments, front)},
+     CLI_FLAG, .scene = true, .field = offsetof(sp_scene, signal.front)},
     {"damping", CLI_DAMPING,
      "Add dashpots to all contacts: the fraction ZETA of critical damping, the same coefficient C at every contact, or "
      "RATE times the reduced mass; CT and RATET are the tangential ones (C and RATE)",
-     .parse = set_damping},
+     .scene = true, .parse = set_damping},
     {"amplitude", "A", "dynamics: initial displacement, relative to the mean overlap (0.001)", CLI_NUMBER,
-     .field = offsetof(arguments, amplitude), .low = 1e-12, .high = 1000},
+     .scene = true, .field = offsetof(sp_scene, signal.amplitude), .low = 1e-12, .high = 1000},
     {"step", "DT", "verlet, lax-wendroff and dynamics: time step, regardless of the error (chosen from the tolerance)",
-     CLI_NUMBER, .field = offsetof(arguments, step), .low = 1e-12, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
+     CLI_NUMBER, .scene = true, .field = offsetof(sp_scene, signal.step), .low = 1e-12, .high = 1e9,
+     .unit = "d/sqrt(E* / rho)"},
     {.help = "Sources and detectors:"},
     {"source", "KIND[:PLACE]",
      "What the source imposes on a grain at the bottom wall, in proportion to the stiffness of its contact: impulse, "
@@ -149,35 +141,15 @@ static const cli_syntax syntax = {
     .files_max = 1,
     .springs = true};
 
+/* The scene's options, with what depends on the packing. */
 static sp_status set_options(arguments *a, const sp_scene *scene, const sp_packing *p, sp_signal_options *out,
                              sp_error *err) {
     sp_signal_options o = scene->signal;
-    if (a->until >= 0)
-        o.until = a->until;
-    if (a->points >= 0)
-        o.points = (int32_t)a->points;
-    if (a->tolerance >= 0)
-        o.tolerance = a->tolerance;
-    if (a->step >= 0)
-        o.step = a->step;
-    if (a->modes > 0)
-        o.modes = a->modes;
-    o.solver = (sp_modes_solver)a->solver;
-    if (o.solver != SP_SOLVER_AUTO && a->method != SP_SIGNAL_SPARSE)
+    if (o.solver != SP_SOLVER_AUTO && o.method != SP_SIGNAL_SPARSE)
         return sp_fail(err, SP_EINVAL, "--solver: applies only to --method sparse");
-    o.front = o.front || a->front;
-    if (a->damping.value >= 0) {
-        o.damping = a->damping.value;
-        o.damping_kind = a->damping.kind;
-        o.damping_ratio = a->damping.ratio;
-    }
-    if (a->amplitude >= 0)
-        o.amplitude = a->amplitude;
-    if (a->method != NOT_GIVEN)
-        o.method = (sp_signal_method)a->method;
-    if (a->amplitude >= 0 && o.method != SP_SIGNAL_DYNAMICS)
+    if (cli_given(&syntax, &a->common, "amplitude") && o.method != SP_SIGNAL_DYNAMICS)
         return sp_fail(err, SP_EINVAL, "--amplitude: applies only to --method dynamics, the other signals are linear");
-    if (o.method == SP_SIGNAL_DYNAMICS && a->tolerance < 0)
+    if (o.method == SP_SIGNAL_DYNAMICS && !cli_given(&syntax, &a->common, "tolerance"))
         o.tolerance = fmax(o.tolerance, DYNAMICS_TOLERANCE);
     if (a->source != NOT_GIVEN)
         o.source = (sp_source)a->source;
@@ -185,12 +157,10 @@ static sp_status set_options(arguments *a, const sp_scene *scene, const sp_packi
         o.until = sp_signal_window(sp_packing_height(p), p->pressure);
     o.threads = a->common.threads;
     sp_status status = cli_places_add_planes(&a->detectors, a->planes, sp_packing_height(p), err);
-    if (status == SP_OK)
-        status = cli_places_set_component(&a->sources, a->component == 1, err);
-    if (status == SP_OK)
-        status = cli_places_set_component(&a->detectors, a->component == 1, err);
     if (status != SP_OK)
         return status;
+    cli_places_set_component(&a->sources, a->component == 1);
+    cli_places_set_component(&a->detectors, a->component == 1);
     if ((int64_t)a->sources.n * a->detectors.n > SIGNALS_MAX)
         return sp_fail(err, SP_EINVAL, "%d sources and %d detectors: a table has at most %d signals", a->sources.n,
                        a->detectors.n, SIGNALS_MAX);
@@ -204,12 +174,12 @@ static sp_status set_options(arguments *a, const sp_scene *scene, const sp_packi
 
 /* Adds the columns; a comment for each names its source, its detector and its error. */
 static void name_columns(const arguments *a, const sp_signal *s, cli_writer *w) {
-    char from[CLI_PLACE_TEXT], to[CLI_PLACE_TEXT], error[SP_NUMBER_TEXT], name[16] = "F";
+    char from[SP_PLACE_TEXT], to[SP_PLACE_TEXT], error[SP_NUMBER_TEXT], name[16] = "F";
     const int32_t pairs = s->sources * s->detectors;
     cli_columns(w, SP_CELL_NUMBER, "t", "d/sqrt(E* / rho)", NULL);
     for (int32_t k = 0; k < pairs && w->status == SP_OK; k++) {
-        cli_place_text(&a->sources.at[k / s->detectors], true, from);
-        cli_place_text(&a->detectors.at[k % s->detectors], false, to);
+        sp_place_text(&a->sources.at[k / s->detectors], true, from);
+        sp_place_text(&a->detectors.at[k % s->detectors], false, to);
         if (pairs > 1)
             snprintf(name, sizeof name, "F%d", k + 1);
         cli_columns(w, SP_CELL_NUMBER, name, "E* d^2", NULL);
@@ -338,8 +308,7 @@ int cmd_signal(int argc, char **argv) {
                                       .plan = plan,
                                       .kernels =
                                           1U << SP_KERNEL_STEP | 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_DENSE};
-    arguments a = {.points = -1, .method = NOT_GIVEN, .source = NOT_GIVEN, .sources = {.sources = true}};
-    a.until = a.tolerance = a.step = a.damping.value = a.amplitude = -1;
+    arguments a = {.source = NOT_GIVEN, .sources = {.sources = true}};
     cli_parse(&syntax, argc, argv, &a);
     const int status = cli_run_files(&command, &a);
     cli_pulse_free(&a.pulse);

@@ -1,6 +1,6 @@
 /* sonopack spectrum: prints spectra of a packing, its response to driving, and the dispersion of its waves. */
 #include "base/base.h"
-#include "cli/dashpots.h"
+#include "cli/excitation.h"
 #include "cli/spectrum.h"
 
 #include <math.h>
@@ -48,8 +48,8 @@ static const cli_option options[] = {
      CLI_CHOICE, FIELD(norm), .words = spectrum_dos_norms, .kinds = "dos"},
     {"bins", "N", "Number of equally spaced frequencies (100)", CLI_INTEGER, FIELD(bins), .low = 1, .high = 1000000,
      .kinds = "dos transmission dispersion participation"},
-    {"omega-max", "OMEGA", "Last frequency (the upper bound of the spectrum). --until is its older name", CLI_NUMBER,
-     FIELD(until), .low = 1e-9, .high = 1e9, .kinds = "dos transmission participation", .alias = "until"},
+    {"omega-max", "OMEGA", "Last frequency (the upper bound of the spectrum).", CLI_NUMBER, FIELD(until), .low = 1e-9,
+     .high = 1e9, .kinds = "dos transmission participation"},
     {"resolution", "WIDTH", "Standard deviation of the kernel at omega = 0 (one bin)", CLI_NUMBER, FIELD(resolution),
      .low = 1e-12, .high = 1e9, .kinds = "dos transmission dispersion"},
     {"vectors", "N", "dos, kpm: number of random vectors, even (4 to 64, fewer for larger packings)", CLI_INTEGER,

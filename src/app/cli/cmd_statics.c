@@ -15,21 +15,11 @@ static const cli_syntax syntax = {
     .usage = "FILE...",
     .help =
         "Densities, contacts, forces and stress of packings, averaged over the bulk.\v"
-        "Phi2, Phi3: area and volume fraction.\n"
-        "Phi3s: volume fraction without rattlers.\n"
-        "zs: contacts per grain, without rattlers.\n"
-        "f0: percentage of rattlers.\n"
-        "N_over_p: mean normal force over p d^2.\n"
-        "Z2, Z3: reduced moments of the normal force.\n"
-        "F2, F2S: mean square of the upward component of the contact normal, over all contacts and over those with "
-        "more than the mean force.\n"
-        "s1_over_s2: horizontal over vertical stress of the whole packing, walls included.\n"
-        "s12_over_s2: shear over vertical stress; it is positive where the grains below push those above towards "
-        "+x.\n"
-        "s32_over_s2: the same towards +y, in three dimensions.\n"
-        "mobilised: fraction of contacts within 1% of the Coulomb limit.\n"
-        "s_xx, s_yy, s_zz, s_yz, s_xz, s_xy: the stress tensor of the whole packing, positive in compression. Tables "
-        "whose first packing is periodic or a box have it.\n"
+#define STATICS(member, symbol, unit, meaning) symbol ": " meaning ".\n"
+#include <sonopack/quantities.inc>
+#undef STATICS
+        "s12_over_s2 is positive where the grains below push those above towards +x. Stresses are those of the whole "
+        "packing, walls included; tables whose first packing is periodic or a box have the tensor.\n"
         "\n"
         "nan means that the packing is too low to have a bulk (see --margin), or that the quantity is not defined "
         "(s32_over_s2 in two dimensions, mobilised without friction). --set network.threshold=T sets the smallest "
@@ -40,46 +30,42 @@ static const cli_syntax syntax = {
     .files_min = 1,
     .files_max = CLI_ANY_NUMBER};
 
+#define RATIOS "Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2 s12_over_s2 s32_over_s2 mobilised"
+#define TENSOR "s_xx s_yy s_zz s_yz s_xz s_xy"
+
 static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
     (void)user;
     cli_columns(&w, SP_CELL_TEXT, "file", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "p", "E*", "Phi2", "", "Phi3", "", "Phi3s", "", "zs", "", "f0", "%", "N_over_p", "",
-                "Z2", "", "Z3", "", "F2", "", "F2S", "", "s1_over_s2", "", "s12_over_s2", "", "s32_over_s2", "",
-                "mobilised", "", NULL);
+    cli_columns(&w, SP_CELL_NUMBER, "p", "E*", NULL);
+    cli_quantity_columns(&w, sp_statics_quantities, RATIOS);
     return w.status;
 }
 
-/* Under a piston the load gives the stress, and the ratios the rest. */
-static sp_status add_stress(arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
-    cli_writer w = {.table = t, .err = err};
+/* Under a piston the load gives the stress, and the ratios the rest. The first packing decides. */
+static void add_stress(arguments *a, const cli_file *file, cli_writer *w) {
     if (file->packing.cell == SP_CELL_PISTON || a->stress)
-        return SP_OK;
-    if (t->rows > 0) {
+        return;
+    a->stress = w->table->rows == 0;
+    if (a->stress)
+        cli_quantity_columns(w, sp_statics_quantities, TENSOR);
+    else
         cli_note(&a->common, "%s: its stress tensor is left out: the first packing has a piston; put it in front",
                  file->path);
-        return SP_OK;
-    }
-    cli_columns(&w, SP_CELL_NUMBER, "s_xx", "E*", "s_yy", "E*", "s_zz", "E*", "s_yz", "E*", "s_xz", "E*", "s_xy", "E*",
-                NULL);
-    a->stress = true;
-    return w.status;
 }
 
 static sp_status add_row(void *user, cli_file *file, sp_table *t, sp_error *err) {
     arguments *a = user;
+    cli_writer w = {.table = t, .err = err};
     sp_statics s;
-    sp_status status = sp_statics_make(&file->packing, file->scene->network.threshold, a->margin, &s, err);
-    if (status == SP_OK)
-        status = add_stress(a, file, t, err);
-    if (status != SP_OK)
-        return status;
-    if (a->stress)
-        return sp_table_add_row(t, err, file->path, file->packing.pressure, s.phi2, s.phi3, s.phi3s, s.zs, s.f0,
-                                s.n_over_p, s.z2, s.z3, s.f2, s.f2s, s.s1_over_s2, s.s12_over_s2, s.s32_over_s2,
-                                s.mobilised, s.s_xx, s.s_yy, s.s_zz, s.s_yz, s.s_xz, s.s_xy);
-    return sp_table_add_row(t, err, file->path, file->packing.pressure, s.phi2, s.phi3, s.phi3s, s.zs, s.f0, s.n_over_p,
-                            s.z2, s.z3, s.f2, s.f2s, s.s1_over_s2, s.s12_over_s2, s.s32_over_s2, s.mobilised);
+    w.status = sp_statics_make(&file->packing, file->scene->network.threshold, a->margin, &s, err);
+    if (w.status == SP_OK)
+        add_stress(a, file, &w);
+    cli_put_text(&w, file->path);
+    cli_put(&w, file->packing.pressure);
+    cli_put_quantities(&w, sp_statics_quantities, a->stress ? RATIOS " " TENSOR : RATIOS, &s);
+    cli_end_row(&w);
+    return w.status;
 }
 
 int cmd_statics(int argc, char **argv) {

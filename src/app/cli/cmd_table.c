@@ -36,9 +36,8 @@ static const cli_option options[] = {
      .field = offsetof(arguments, level), .low = SP_LEVEL_LEAST, .high = SP_LEVEL_MOST},
     {"bins", "N", "spectrum: number of bins of equal width (20 to 100, depending on the number of modes)", CLI_INTEGER,
      .field = offsetof(arguments, bins), .low = 1, .high = CLI_BINS_MAX, .kinds = "spectrum"},
-    {"omega-max", "OMEGA",
-     "spectrum: last frequency (the largest of all samples, rounded up). --until is its older name", CLI_NUMBER,
-     .field = offsetof(arguments, omega_max), .low = 1e-12, .high = 1e9, .kinds = "spectrum", .alias = "until"},
+    {"omega-max", "OMEGA", "spectrum: last frequency (the largest of all samples, rounded up).", CLI_NUMBER,
+     .field = offsetof(arguments, omega_max), .low = 1e-12, .high = 1e9, .kinds = "spectrum"},
     {0}};
 
 static const cli_syntax syntax = {

@@ -1,45 +1,80 @@
 /* sonopack transport: prints how the energy of sound moves through packings, as a function of frequency. */
 #include "base/base.h"
-#include "cli/transport.h"
+#include "cli/files.h"
 
+#include <math.h>
+#include <sonopack/coherent.h>
+#include <sonopack/transport.h>
+#include <stdio.h>
+
+#define RATE        "sqrt(E* / rho)/d"
+#define TIME        "d/sqrt(E* / rho)"
+#define SPEED       "sqrt(E* / rho)"
+#define DIFFUSIVITY "d sqrt(E* / rho)"
+
+enum { FREQUENCIES_MAX = 1000, FREQUENCIES = 10, VALUES_MAX = 10 };
+
+/* Of --quantity. */
+enum { SPREAD = 0, KUBO, COHERENT, SPLIT, ENERGY };
 static const char *const quantity_names[] = {"diffusivity", "kubo", "coherent", "split", "energy", NULL};
 static const char *const axis_names[] = {"up", "x", "y", NULL};
+
+/* A mean over packings. The error is the standard error of the mean; with one packing it is what that packing gave. A
+ * value that only `few` of the packings gave would be a mean over chosen packings: nan. */
+typedef struct mean {
+    bool few;
+    int64_t n;
+    double sum, squares, own;
+} mean;
+
+typedef struct arguments {
+    cli_common common;
+    int quantity, axis;
+    const char *at;
+    double width, smear, until;
+    int64_t waves, sources, seed;
+    sp_coherent_section_options section;
+    int dim; /* of the packings so far; 0: none */
+    int32_t n;
+    double *omega; /* [n] */
+    mean *mean;    /* [n][VALUES_MAX], or for energy [n][times][planes][values] */
+} arguments;
 
 static const cli_option options[] = {
     {"quantity", "diffusivity|kubo|coherent|split|energy",
      "What to compute: the diffusivity of energy, from its spreading (diffusivity, the default) or from eigenmodes "
      "(kubo), the mean free path of the coherent wave (coherent), the parts of the energy (split), or its flux after a "
      "burst (energy)",
-     CLI_CHOICE, .field = offsetof(transport_arguments, quantity), .words = quantity_names},
+     CLI_CHOICE, .field = offsetof(arguments, quantity), .words = quantity_names},
     {"at", "W1,W2,...|LOW:HIGH:N",
      "Frequencies (10, from 0.05 to 0.6 of the upper bound of the spectrum of the first packing)", CLI_TEXT,
-     .field = offsetof(transport_arguments, at)},
+     .field = offsetof(arguments, at)},
     {"axis", "up|x|y",
      "diffusivity, kubo: the axis along which energy moves, y in 3D only (up; for kubo the mean over the axes without "
      "walls)",
-     CLI_CHOICE, .field = offsetof(transport_arguments, axis), .words = axis_names},
+     CLI_CHOICE, .field = offsetof(arguments, axis), .words = axis_names},
     {"width", "W", "All but coherent: width of the band about each frequency, over the frequency (0.1)", CLI_NUMBER,
-     .field = offsetof(transport_arguments, width), .low = 0.001, .high = 0.2},
+     .field = offsetof(arguments, width), .low = 0.001, .high = 0.2},
     {"waves", "N", "diffusivity: how many waves of the energy's density the packing holds (1)", CLI_INTEGER,
-     .field = offsetof(transport_arguments, waves), .low = 1, .high = 1000},
+     .field = offsetof(arguments, waves), .low = 1, .high = 1000},
     {"sources", "N", "diffusivity, split: number of random motions of each packing (6)", CLI_INTEGER,
-     .field = offsetof(transport_arguments, sources), .low = 2, .high = 1000},
-    {"seed", "N", "diffusivity, split: seed of the random motions (1)", CLI_INTEGER,
-     .field = offsetof(transport_arguments, seed), .high = 1e15},
+     .field = offsetof(arguments, sources), .low = 2, .high = 1000},
+    {"seed", "N", "diffusivity, split: seed of the random motions (1)", CLI_INTEGER, .field = offsetof(arguments, seed),
+     .high = 1e15},
     {"until", "T",
      "diffusivity, energy: last time [d/sqrt(E* / rho)] (300 periods; energy: the window of `signal' of the first "
      "packing)",
-     CLI_NUMBER, .field = offsetof(transport_arguments, until), .low = 1e-6, .high = 1e12, .unit = "d/sqrt(E* / rho)"},
+     CLI_NUMBER, .field = offsetof(arguments, until), .low = 1e-6, .high = 1e12, .unit = "d/sqrt(E* / rho)"},
     {"smear", "W", "kubo: width of the delta function, over the frequency (0.1)", CLI_NUMBER,
-     .field = offsetof(transport_arguments, smear), .low = 0.001, .high = 0.2},
+     .field = offsetof(arguments, smear), .low = 0.001, .high = 0.2},
     {"spacing", "D", "coherent: distance between planes [d] (1)", CLI_NUMBER,
-     .field = offsetof(transport_arguments, section.spacing), .low = 0.01, .high = 1e6},
-    {"low", "Y", "coherent: height of the lowest plane [d] (4)", CLI_NUMBER,
-     .field = offsetof(transport_arguments, section.low), .high = 1e6},
+     .field = offsetof(arguments, section.spacing), .low = 0.01, .high = 1e6},
+    {"low", "Y", "coherent: height of the lowest plane [d] (4)", CLI_NUMBER, .field = offsetof(arguments, section.low),
+     .high = 1e6},
     {"part", "F", "coherent: place planes up to this fraction of the height (0.6)", CLI_NUMBER,
-     .field = offsetof(transport_arguments, section.part), .low = 0.01, .high = 1},
+     .field = offsetof(arguments, section.part), .low = 0.01, .high = 1},
     {"shear", NULL, "coherent: the transverse wave, from a bottom wall that is moved along x", CLI_FLAG,
-     .field = offsetof(transport_arguments, section.shear)},
+     .field = offsetof(arguments, section.shear)},
     {0}};
 
 static const cli_syntax syntax;
@@ -53,22 +88,22 @@ static sp_status check(void *user, sp_error *err) {
         unsigned used;
         const char *where;
     } only[] = {
-        {"width", ~FOR(TRANSPORT_COHERENT), "all but coherent"},
-        {"waves", FOR(TRANSPORT_DIFFUSIVITY), "diffusivity"},
-        {"sources", FOR(TRANSPORT_DIFFUSIVITY) | FOR(TRANSPORT_SPLIT), "diffusivity or split"},
-        {"seed", FOR(TRANSPORT_DIFFUSIVITY) | FOR(TRANSPORT_SPLIT), "diffusivity or split"},
-        {"until", FOR(TRANSPORT_DIFFUSIVITY) | FOR(TRANSPORT_ENERGY), "diffusivity or energy"},
-        {"smear", FOR(TRANSPORT_KUBO), "kubo"},
-        {"spacing", FOR(TRANSPORT_COHERENT), "coherent"},
-        {"low", FOR(TRANSPORT_COHERENT), "coherent"},
-        {"part", FOR(TRANSPORT_COHERENT), "coherent"},
-        {"shear", FOR(TRANSPORT_COHERENT), "coherent"},
+        {"width", ~FOR(COHERENT), "all but coherent"},
+        {"waves", FOR(SPREAD), "diffusivity"},
+        {"sources", FOR(SPREAD) | FOR(SPLIT), "diffusivity or split"},
+        {"seed", FOR(SPREAD) | FOR(SPLIT), "diffusivity or split"},
+        {"until", FOR(SPREAD) | FOR(ENERGY), "diffusivity or energy"},
+        {"smear", FOR(KUBO), "kubo"},
+        {"spacing", FOR(COHERENT), "coherent"},
+        {"low", FOR(COHERENT), "coherent"},
+        {"part", FOR(COHERENT), "coherent"},
+        {"shear", FOR(COHERENT), "coherent"},
     };
-    const transport_arguments *a = user;
+    const arguments *a = user;
     for (size_t k = 0; k < sizeof only / sizeof *only; k++)
         if (!(only[k].used & FOR(a->quantity)) && cli_given(&syntax, &a->common, only[k].name))
             return sp_fail(err, SP_EINVAL, "--%s: only with --quantity=%s", only[k].name, only[k].where);
-    if (a->axis > 0 && a->quantity >= TRANSPORT_COHERENT)
+    if (a->axis > 0 && a->quantity >= COHERENT)
         return sp_fail(err, SP_EINVAL, "--axis: only with --quantity=diffusivity or kubo");
     return SP_OK;
 }
@@ -118,26 +153,207 @@ static const cli_syntax syntax = {
     .springs = true,
     .check = check};
 
+/* ---- means ------------------------------------------------------------------------------------------------------ */
+
+static mean *means_at(const arguments *a, int32_t l) { return a->mean + (int64_t)l * VALUES_MAX; }
+
+/* Adds the value of one packing with its own error; nothing if the value is nan. */
+static void add(mean *m, double value, double error) {
+    if (isnan(value))
+        return;
+    m->n++;
+    m->sum += value;
+    m->squares += value * value;
+    m->own = error;
+}
+
+static double value_of(const mean *m) { return m->n > 0 && !m->few ? m->sum / (double)m->n : NAN; }
+
+static double error_of(const mean *m) {
+    const double n = (double)m->n;
+    if (m->few)
+        return NAN;
+    if (m->n == 1)
+        return m->own;
+    return m->n > 1 ? sqrt(fmax(0, m->squares - m->sum * m->sum / n) / (n - 1) / n) : NAN;
+}
+
+/* ---- one packing ------------------------------------------------------------------------------------------------ */
+
+/* Measures at frequency l, and adds to the means of it. */
+typedef sp_status (*measure)(const arguments *a, const sp_network *net, int32_t l, sp_error *err);
+
+/* A frequency that is refused, such as one without modes, has no value, but others may. The reason counts if it is that
+ * of all. */
+static sp_status at_each(const arguments *a, const sp_network *net, measure one, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int32_t l = 0, left = a->n; l < a->n && status == SP_OK; l++) {
+        status = one(a, net, l, err);
+        if (status != SP_EREFUSED || --left == 0)
+            continue;
+        cli_note(&a->common, "omega = %g has no value: %s", a->omega[l], err->text);
+        status = SP_OK;
+    }
+    return status;
+}
+
+static sp_status measure_spread(const arguments *a, const sp_network *net, int32_t l, sp_error *err) {
+    sp_spread_options o = sp_spread_options_default();
+    mean *m = means_at(a, l);
+    sp_spread s;
+    o.axis = a->axis - 1; /* -1: the default */
+    o.width = a->width;
+    o.waves = (int32_t)a->waves;
+    o.sources = (int32_t)a->sources;
+    o.seed = (uint64_t)a->seed;
+    o.until = a->until;
+    const sp_status status = sp_spread_make(net, a->omega[l], &o, &s, err);
+    if (status != SP_OK || isnan(s.d))
+        return status;
+    add(&m[0], s.d, s.d_err);
+    add(&m[1], s.d_shift, NAN);
+    add(&m[2], s.d_half, NAN);
+    add(&m[3], s.from, NAN);
+    add(&m[4], s.to, NAN);
+    return SP_OK;
+}
+
+static void add_kubo(const arguments *a, const sp_kubo *k, mean *m) {
+    const double path = a->dim * k->d / k->speed;
+    add(&m[0], k->d, k->d_err);
+    add(&m[1], k->d_shift, NAN);
+    add(&m[2], k->speed, k->speed_err);
+    add(&m[3], path, path * hypot(k->d_err / k->d, k->speed_err / k->speed));
+}
+
+static sp_status measure_kubo(const arguments *a, const sp_network *net, sp_error *err) {
+    const sp_modes_options mo = sp_modes_options_default();
+    const sp_kubo_options o = {.axis = a->axis - 1, .width = a->width, .smear = a->smear};
+    sp_modes modes = sp_modes_none();
+    sp_kubo *k = sp_alloc((size_t)a->n, sizeof *k);
+    sp_status status = k ? SP_OK : sp_fail_memory(err, (size_t)a->n * sizeof *k);
+    if (status == SP_OK)
+        status = sp_modes_dense(net, &mo, &modes, err);
+    if (status == SP_OK)
+        status = sp_kubo_make(net, &modes, a->n, a->omega, &o, k, err);
+    for (int32_t l = 0; l < a->n && status == SP_OK; l++)
+        add_kubo(a, &k[l], means_at(a, l));
+    sp_modes_free(&modes);
+    sp_free(k);
+    return status;
+}
+
+static sp_status measure_coherent(const arguments *a, const sp_network *net, sp_error *err) {
+    sp_coherent_section s = sp_coherent_section_none();
+    sp_status status = sp_coherent_section_make(net, &a->section, &s, err);
+    for (int32_t l = 0; l < a->n && status == SP_OK; l++) {
+        sp_coherent_wave c;
+        double k_err, alpha_err;
+        status = sp_coherent_fit(&s, a->omega[l], &c, err);
+        if (status != SP_OK || isnan(c.k) || !(c.part >= 0.5)) /* most of the motion is scattered */
+            continue;
+        sp_coherent_errors(&s, &c, &k_err, &alpha_err);
+        add(&means_at(a, l)[0], c.k, k_err);
+        add(&means_at(a, l)[1], c.alpha, alpha_err);
+        add(&means_at(a, l)[2], c.part, NAN);
+    }
+    sp_coherent_section_free(&s);
+    return status;
+}
+
+static void add_energy(const sp_energy *e, const sp_energy *error, mean *m) {
+    add(&m[0], e->along, error->along);
+    add(&m[1], e->across, error->across);
+    add(&m[2], e->rotation, error->rotation);
+    add(&m[3], e->normal, error->normal);
+    add(&m[4], e->tangential, error->tangential);
+}
+
+static sp_status measure_split(const arguments *a, const sp_network *net, int32_t l, sp_error *err) {
+    sp_split_options o = sp_split_options_default();
+    sp_split s;
+    o.width = a->width;
+    o.sources = (int32_t)a->sources;
+    o.seed = (uint64_t)a->seed;
+    const sp_status status = sp_split_make(net, a->omega[l], &o, &s, err);
+    if (status != SP_OK)
+        return status;
+    add_energy(&s.rest, &s.rest_err, means_at(a, l));
+    add_energy(&s.pulse, &s.pulse_err, means_at(a, l) + 5);
+    return SP_OK;
+}
+
+/* Planes at quarters of the height, and equally spaced times up to a->until, which the first packing sets. */
+enum { TIMES = 24, PLANES = 3, BURST_VALUES = 5, BURST_ROWS = TIMES * PLANES };
+static const double ROUNDING = 1e-11; /* of parts of the energy, by tests; the drift is that of all of it */
+
+static double burst_time(const arguments *a, int k) { return a->until * (k + 1) / TIMES; }
+
+/* The flux of an energy 1 is at most about the highest frequency, and so are its rounding errors beside those of the
+ * energy. */
+static void add_burst(double below, const sp_flux *flux, double drift, double highest, mean *m) {
+    const double error = highest * drift;
+    add(&m[0], below, drift);
+    add(&m[1], sp_flux_sum(flux), error);
+    add(&m[2], flux->normal, error);
+    add(&m[3], flux->sideways, error);
+    add(&m[4], flux->rotation, error);
+}
+
+static sp_status measure_burst(const arguments *a, const sp_network *net, int32_t l, sp_error *err) {
+    double t[TIMES], height[PLANES], below[BURST_ROWS], drift = 0;
+    sp_flux flux[BURST_ROWS];
+    for (int k = 0; k < TIMES; k++)
+        t[k] = burst_time(a, k);
+    for (int k = 0; k < PLANES; k++)
+        height[k] = net->box[net->dim - 1] * (k + 1) / (PLANES + 1);
+    const sp_burst_options o = {a->omega[l], a->width, TIMES, t, PLANES, height};
+    const sp_status status = sp_burst_make(net, &o, below, flux, &drift, err);
+    for (int row = 0; row < BURST_ROWS && status == SP_OK; row++)
+        add_burst(below[row], &flux[row], drift + ROUNDING, sp_network_omega_bound(net),
+                  a->mean + ((int64_t)l * BURST_ROWS + row) * BURST_VALUES);
+    return status;
+}
+
+static sp_status measure_energy(arguments *a, const sp_network *net, sp_error *err) {
+    enum { MOST = FREQUENCIES_MAX * VALUES_MAX / (BURST_ROWS * BURST_VALUES) };
+    if (a->n > MOST)
+        return sp_fail(err, SP_EINVAL, "--at: %d frequencies, energy takes at most %d", a->n, MOST);
+    if (!(a->until > 0))
+        a->until = sp_signal_window(net->box[net->dim - 1], net->pressure);
+    return at_each(a, net, measure_burst, err);
+}
+
+static sp_status measure_packing(arguments *a, const sp_network *net, sp_error *err) {
+    switch (a->quantity) {
+    case KUBO: return measure_kubo(a, net, err);
+    case COHERENT: return measure_coherent(a, net, err);
+    case SPLIT: return at_each(a, net, measure_split, err);
+    case ENERGY: return measure_energy(a, net, err);
+    default: return at_each(a, net, measure_spread, err);
+    }
+}
+
 static sp_status begin(void *user, sp_table *t, sp_error *err) {
-    transport_arguments *a = user;
-    const size_t values = (size_t)TRANSPORT_FREQUENCIES_MAX * TRANSPORT_VALUES;
+    arguments *a = user;
+    const size_t values = (size_t)FREQUENCIES_MAX * VALUES_MAX;
     (void)t;
-    a->omega = sp_alloc(TRANSPORT_FREQUENCIES_MAX, sizeof *a->omega);
+    a->omega = sp_alloc(FREQUENCIES_MAX, sizeof *a->omega);
     a->mean = sp_alloc(values, sizeof *a->mean);
     return a->omega && a->mean ? SP_OK : sp_fail_memory(err, values * sizeof *a->mean);
 }
 
-static sp_status choose_frequencies(transport_arguments *a, const sp_network *net, sp_error *err) {
+static sp_status choose_frequencies(arguments *a, const sp_network *net, sp_error *err) {
     if (a->at)
-        return cli_frequencies(a->at, TRANSPORT_FREQUENCIES_MAX, &a->n, a->omega, err);
+        return cli_frequencies(a->at, FREQUENCIES_MAX, &a->n, a->omega, err);
     const double bound = sp_network_omega_bound(net);
-    for (a->n = 0; a->n < TRANSPORT_FREQUENCIES; a->n++)
-        a->omega[a->n] = bound * (0.05 + 0.55 * a->n / (TRANSPORT_FREQUENCIES - 1));
+    for (a->n = 0; a->n < FREQUENCIES; a->n++)
+        a->omega[a->n] = bound * (0.05 + 0.55 * a->n / (FREQUENCIES - 1));
     return SP_OK;
 }
 
 static sp_status add_packing(void *user, cli_file *file, sp_table *t, sp_error *err) {
-    transport_arguments *a = user;
+    arguments *a = user;
     (void)t;
     if (a->dim && a->dim != file->packing.dim)
         return sp_fail(err, SP_EREFUSED, "has %d dimensions, the packings before it have %d", file->packing.dim,
@@ -146,20 +362,116 @@ static sp_status add_packing(void *user, cli_file *file, sp_table *t, sp_error *
     if (a->axis > a->dim - 1)
         return sp_fail(err, SP_EINVAL, "--axis=%s: the packing has %d dimensions", axis_names[a->axis], a->dim);
     sp_status status = a->n == 0 ? choose_frequencies(a, &file->network, err) : SP_OK;
-    return status == SP_OK ? transport_measure(a, &file->network, err) : status;
+    return status == SP_OK ? measure_packing(a, &file->network, err) : status;
+}
+
+/* ---- the table -------------------------------------------------------------------------------------------------- */
+
+/* The values of a quantity, in the order in which they are measured. */
+typedef struct column {
+    const char *name, *unit;
+    bool has_error; /* a column of it follows */
+} column;
+static const column columns[][VALUES_MAX + 1] = {
+    [SPREAD] = {{"D", DIFFUSIVITY, true},
+                {"shift", DIFFUSIVITY, false},
+                {"half", DIFFUSIVITY, false},
+                {"from", TIME, false},
+                {"to", TIME, false}},
+    [KUBO] = {{"D", DIFFUSIVITY, true}, {"shift", DIFFUSIVITY, false}, {"speed", SPEED, true}, {"path", "d", true}},
+    [SPLIT] = {{"along", "", true},
+               {"across", "", true},
+               {"rotation", "", true},
+               {"normal", "", true},
+               {"tangential", "", true},
+               {"pulse_along", "", true},
+               {"pulse_across", "", true},
+               {"pulse_rotation", "", true},
+               {"pulse_normal", "", true},
+               {"pulse_tangential", "", true}},
+    [ENERGY] = {{"below", "", true},
+                {"flux", RATE, true},
+                {"flux_normal", RATE, true},
+                {"flux_sideways", RATE, true},
+                {"flux_rotation", RATE, true}}};
+
+static void add_columns(const column *c, cli_writer *w) {
+    char error[40];
+    for (; c->name; c++) {
+        snprintf(error, sizeof error, "%s_err", c->name);
+        cli_columns(w, SP_CELL_NUMBER, c->name, c->unit, c->has_error ? error : NULL, c->unit, NULL);
+    }
+    cli_columns(w, SP_CELL_INTEGER, "samples", "", NULL);
+}
+
+/* A row: what is in front, `at' numbers, then the values with their errors, and how many packings gave the first. */
+static void add_row(const column *c, const mean *m, int at, double *row, cli_writer *w) {
+    const mean *first = m;
+    for (; c->name; c++, m++) {
+        row[at++] = value_of(m);
+        if (c->has_error)
+            row[at++] = error_of(m);
+    }
+    row[at] = (double)first->n;
+    if (w->status == SP_OK)
+        w->status = sp_table_add_numbers(w->table, row, w->err);
+}
+
+static void print_values(const arguments *a, cli_writer *w) {
+    const column *c = columns[a->quantity];
+    double row[2 * VALUES_MAX + 4];
+    cli_columns(w, SP_CELL_NUMBER, "omega", RATE, NULL);
+    if (a->quantity == ENERGY)
+        cli_columns(w, SP_CELL_NUMBER, "t", TIME, "plane", "", NULL);
+    add_columns(c, w);
+    for (int32_t l = 0; l < a->n; l++) {
+        row[0] = a->omega[l];
+        for (int k = 0; a->quantity == ENERGY && k < BURST_ROWS; k++) {
+            row[1] = burst_time(a, k / PLANES);
+            row[2] = (k % PLANES + 1.0) / (PLANES + 1);
+            add_row(c, a->mean + ((int64_t)l * BURST_ROWS + k) * BURST_VALUES, 3, row, w);
+        }
+        if (a->quantity != ENERGY)
+            add_row(c, means_at(a, l), 1, row, w);
+    }
+}
+
+static void print_coherent(const arguments *a, cli_writer *w) {
+    sp_free_path path[FREQUENCIES_MAX];
+    double omega, error;
+    for (int32_t l = 0; l < a->n; l++) {
+        const mean *m = means_at(a, l);
+        path[l] = sp_free_path_of(value_of(&m[0]), error_of(&m[0]), value_of(&m[1]), error_of(&m[1]));
+    }
+    if (sp_ioffe_regel(a->n, a->omega, path, &omega, &error)) {
+        cli_value(w, "ioffe_regel", omega);
+        cli_value(w, "ioffe_regel_err", error);
+    }
+    cli_columns(w, SP_CELL_NUMBER, "omega", RATE, "k", "1/d", "k_err", "1/d", "alpha", "1/d", "alpha_err", "1/d",
+                "path", "d", "path_err", "d", "path_low", "d", "k_path", "", "k_path_err", "", "part", "", NULL);
+    cli_columns(w, SP_CELL_INTEGER, "samples", "", NULL);
+    for (int32_t l = 0; l < a->n && w->status == SP_OK; l++) {
+        const mean *m = means_at(a, l);
+        const sp_free_path *p = &path[l];
+        w->status = sp_table_add_row(w->table, w->err, a->omega[l], value_of(&m[0]), error_of(&m[0]), value_of(&m[1]),
+                                     error_of(&m[1]), p->path, p->path_err, p->low, p->k_path, p->k_path_err,
+                                     value_of(&m[2]), m->n);
+    }
 }
 
 static sp_status add_rows(void *user, sp_table *t, sp_error *err) {
-    transport_arguments *a = user;
+    arguments *a = user;
     cli_writer w = {.table = t, .err = err};
     cli_comment(&w, "packings = %d", a->common.files);
     cli_comment(&w, "dimension = %d", a->dim);
     cli_comment(&w, "quantity = %s", quantity_names[a->quantity]);
-    if (a->quantity == TRANSPORT_COHERENT)
+    if (a->quantity == COHERENT)
         cli_comment(&w, "motion = %s", a->section.shear ? "shear" : "compression");
-    else if (a->quantity <= TRANSPORT_KUBO)
-        cli_comment(&w, "axis = %s", a->quantity == TRANSPORT_KUBO && a->axis == 0 ? "mean" : axis_names[a->axis]);
-    transport_print(a, &w);
+    else if (a->quantity <= KUBO)
+        cli_comment(&w, "axis = %s", a->quantity == KUBO && a->axis == 0 ? "mean" : axis_names[a->axis]);
+    for (int32_t k = 0; k < FREQUENCIES_MAX * VALUES_MAX; k++)
+        a->mean[k].few = 2 * a->mean[k].n < a->common.files;
+    (a->quantity == COHERENT ? print_coherent : print_values)(a, &w);
     return w.status;
 }
 
@@ -170,7 +482,7 @@ int cmd_transport(int argc, char **argv) {
                                       .begin = begin,
                                       .add = add_packing,
                                       .end = add_rows};
-    transport_arguments a = {.width = 0.1, .smear = 0.1, .waves = 1, .sources = 6, .seed = 1};
+    arguments a = {.width = 0.1, .smear = 0.1, .waves = 1, .sources = 6, .seed = 1};
     a.section = sp_coherent_section_options_default();
     cli_parse(&syntax, argc, argv, &a);
     const int status = cli_run_files(&command, &a);

@@ -10,8 +10,6 @@
 typedef struct arguments {
     cli_common common;
     sp_uncertainty_options o;
-    int from, source;
-    int64_t samples, seed, modes;
     bool front_only, sampled_only;
 } arguments;
 
@@ -41,19 +39,19 @@ static const cli_option options[] = {
      .field = offsetof(arguments, o.errors.missing_force), .high = 10},
     {"from", "forces|overlaps",
      "What was measured: the force of each contact, or nothing but positions and radii (forces)", CLI_CHOICE,
-     .field = offsetof(arguments, from), .words = measured_names},
+     .field = offsetof(arguments, o.errors.measured), .words = measured_names},
     {.help = "Estimates:"},
-    {"samples", "N", "Packings drawn with these errors; 0: first order alone (200)", CLI_INTEGER,
-     .field = offsetof(arguments, samples), .high = 10000000},
-    {"seed", "S", "Seed of the errors (1)", CLI_INTEGER, .field = offsetof(arguments, seed), .high = 1e15},
+    {"samples", "N", "Packings drawn with these errors; 0: first order alone (200)", CLI_INT,
+     .field = offsetof(arguments, o.samples), .high = 10000000},
+    {"seed", "S", "Seed of the errors (1)", CLI_INTEGER, .field = offsetof(arguments, o.seed), .high = 1e15},
     {"sampled-only", NULL, "No first order", CLI_FLAG, .field = offsetof(arguments, sampled_only)},
     {.help = "Quantities:"},
-    {"modes", "N", "Add the N lowest frequencies (0)", CLI_INTEGER, .field = offsetof(arguments, modes), .high = 10000},
+    {"modes", "N", "Add the N lowest frequencies (0)", CLI_INT, .field = offsetof(arguments, o.modes), .high = 10000},
     {"front-only", NULL, "Leave out the moduli and their speeds", CLI_FLAG, .field = offsetof(arguments, front_only)},
     {"margin", "D", "Leave layers of this thickness at all walls out of the density [d] (3)", CLI_NUMBER,
      .field = offsetof(arguments, o.margin), .high = 1e6, .unit = "d"},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, source), .words = cli_source_names},
+     .field = offsetof(arguments, o.source), .words = cli_source_names},
     {0}};
 
 static const cli_syntax syntax;
@@ -176,12 +174,7 @@ static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err
     arguments *a = user;
     sp_uncertainty u = sp_uncertainty_none();
     cli_writer w = {.table = t, .err = err};
-    a->o.errors.measured = (sp_measured)a->from;
-    a->o.source = (sp_source)a->source;
     a->o.network = file->scene->network;
-    a->o.samples = (int32_t)a->samples;
-    a->o.seed = (uint64_t)a->seed;
-    a->o.modes = (int32_t)a->modes;
     a->o.moduli = !a->front_only;
     a->o.first_order = !a->sampled_only;
     a->o.threads = a->common.threads;
@@ -200,7 +193,10 @@ static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err
 int cmd_uncertainty(int argc, char **argv) {
     static const cli_files command = {
         .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = add_columns, .add = add_rows};
-    arguments a = {.o = sp_uncertainty_options_default(), .samples = 200, .seed = 1};
+    arguments a = {.o = sp_uncertainty_options_default()};
+    a.o.samples = 200;
+    a.o.seed = 1;
+    a.o.modes = 0;
     cli_parse(&syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

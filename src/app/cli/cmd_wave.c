@@ -1,6 +1,6 @@
 /* sonopack wave: prints phase speed and attenuation of the coherent wave inside packings. */
 #include "base/base.h"
-#include "cli/dashpots.h"
+#include "cli/excitation.h"
 #include "cli/files.h"
 
 #include <math.h>
@@ -17,7 +17,6 @@ typedef struct sums {
 typedef struct arguments {
     cli_common common;
     sp_coherent_section_options section;
-    int source; /* sp_source */
     const char *at;
     int dim;   /* of the packings so far; 0: none */
     int32_t n; /* frequencies; the first packing decides */
@@ -49,7 +48,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, section.part), .low = 0.01, .high = 1},
     {"damping", CLI_DAMPING, "Dashpots of the contacts, as in signal (0)", .parse = set_damping},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, as in signal (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, source), .words = cli_source_names},
+     .field = offsetof(arguments, section.source), .words = cli_source_names},
     {0}};
 
 static const cli_syntax syntax = {
@@ -150,7 +149,7 @@ static sp_status add_rows(void *user, sp_table *t, sp_error *err) {
     explain(a);
     cli_comment(&w, "packings = %d", a->common.files);
     cli_comment(&w, "dimension = %d", a->dim);
-    cli_comment(&w, "source = %s", cli_source_names[a->source]);
+    cli_comment(&w, "source = %s", cli_source_names[a->section.source]);
     const sp_damping law = {a->section.damping_kind, a->section.damping, a->section.damping_ratio};
     if (law.value > 0)
         cli_damping_comment(&w, &law);
@@ -179,9 +178,7 @@ int cmd_wave(int argc, char **argv) {
                                       .add = add_packing,
                                       .end = add_rows};
     arguments a = {.section = sp_coherent_section_options_default()};
-    a.source = (int)a.section.source;
     cli_parse(&syntax, argc, argv, &a);
-    a.section.source = (sp_source)a.source;
     const int status = cli_run_files(&command, &a);
     sp_free(a.omega);
     sp_free(a.sum);

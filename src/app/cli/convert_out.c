@@ -5,6 +5,7 @@
 #include "cli/files.h"
 #include "cli/output.h"
 #include "cli/plot_input.h"
+#include "cli/trace.h"
 #include "cli/plot_motion.h"
 #include "packing/geometry.h"
 
@@ -196,7 +197,7 @@ static void spread(const sp_network *net, const double *u, double factor, const 
 /* Whether a file of --vectors has modes; else it is a table of a snapshot. */
 static sp_status find_kind(const char *path, bool *mode, sp_error *err) {
     sp_table t = sp_table_none();
-    sp_status status = plot_is_packing(path, mode, err);
+    sp_status status = cli_is_packing(path, mode, err);
     if (status != SP_OK || *mode)
         return status;
     status = plot_read_table(path, &t, err);

@@ -110,7 +110,7 @@ static int plan_files(const cli_files *command, void *arguments, const sp_scene 
 }
 
 int cli_run_files(const cli_files *command, void *arguments) {
-    const cli_common *common = arguments;
+    cli_common *common = arguments;
     sp_scene scene = sp_scene_default();
     sp_table t = sp_table_none();
     sp_error err = {0};

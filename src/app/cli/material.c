@@ -52,11 +52,11 @@ static const char *unit_of(const cli_option *o) {
     return o->unit ? o->unit : range ? range->unit : "";
 }
 
-bool cli_keep_quantity(cli_common *common, const cli_option *option, const char *text) {
+bool cli_keep_quantity(cli_common *common, const cli_option *option, void *field, const char *text) {
     const size_t number = strspn(text, "0123456789+-.eE");
     if (!unit_of(option)[0] || number == 0 || text[number] == '\0' || common->quantities == CLI_QUANTITIES_MAX)
         return false;
-    common->quantity[common->quantities++] = (cli_quantity){option, text};
+    common->quantity[common->quantities++] = (cli_quantity){option, text, field};
     return true;
 }
 
@@ -72,7 +72,7 @@ sp_status cli_set_quantities(void *arguments, const sp_material *m, sp_error *er
         if (status != SP_OK)
             return sp_fail_prefix(err, "%s", name);
         status = cli_number(name, sp_number_text(value, number), range ? range->low : o->low,
-                            range ? range->high : o->high, (double *)(void *)((char *)arguments + o->field), err);
+                            range ? range->high : o->high, common->quantity[k].field, err);
         if (status != SP_OK)
             return sp_fail_prefix(err, "%s", common->quantity[k].text);
     }

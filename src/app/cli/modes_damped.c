@@ -1,5 +1,5 @@
 /* Fills the table of sonopack modes --damping: decaying modes of a network with dashpots. */
-#include "cli/dashpots.h"
+#include "cli/excitation.h"
 #include "cli/modes.h"
 
 sp_status modes_damped(const sp_packing *p, const sp_network *net, const sp_damping *law, sp_source source, sp_table *t,

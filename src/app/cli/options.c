@@ -66,10 +66,10 @@ static sp_status set_units(void *arguments, const char *text, sp_error *err) {
 
 static const cli_option springs_options[] = {
     {.help = "Springs:"},
-    {"threshold", "F", "Use only contacts with a normal force above F p d^2 (1e-4)", CLI_NUMBER,
-     .field = offsetof(cli_common, threshold), .key = "network.threshold"},
-    {"prestress", NULL, "Include the effect of the forces at rest when contacts rotate", CLI_FLAG,
-     .field = offsetof(cli_common, prestress)},
+    {"threshold", "F", "Use only contacts with a normal force above F p d^2 (1e-4)", CLI_NUMBER, .scene = true,
+     .key = "network.threshold"},
+    {"prestress", NULL, "Include the effect of the forces at rest when contacts rotate", CLI_FLAG, .scene = true,
+     .field = offsetof(sp_scene, network.prestress)},
     {0}};
 
 static const cli_option common_options[] = {
@@ -111,8 +111,8 @@ typedef struct reading {
     const char *command; /* name */
     void *arguments;
     int count, rows;
-    const cli_option *option[OPTIONS_MAX];        /* [count] */
-    struct argp_option argp[2 * OPTIONS_MAX + 4]; /* [rows], then one of zeros */
+    const cli_option *option[OPTIONS_MAX];     /* [count] */
+    struct argp_option argp[OPTIONS_MAX + 12]; /* [rows], then one of zeros */
 } reading;
 
 static void add_help_options(reading *r) {
@@ -141,8 +141,6 @@ static void add_options(reading *r, const cli_option *options, int first_group) 
             continue;
         r->option[r->count++] = options;
         r->argp[r->rows++] = (struct argp_option){options->name, key, options->argument, 0, options->help, group};
-        if (options->alias)
-            r->argp[r->rows++] = (struct argp_option){.name = options->alias, .flags = OPTION_ALIAS, .group = group};
     }
 }
 
@@ -153,24 +151,66 @@ static int find_option(const reading *r, int key) {
     return -1;
 }
 
-static sp_status set_option(const cli_option *o, void *arguments, const char *text, sp_error *err) {
+/* An option's value goes to the field, or where its parse() knows within `base'; common keeps what has a unit. */
+static sp_status set_field(cli_common *common, const cli_option *o, void *base, void *field, const char *text,
+                           sp_error *err) {
     char name[64];
-    void *field = (char *)arguments + o->field;
     const sp_key *range = o->key ? sp_field_limits(sp_field_find(o->key)) : NULL;
     const double low = range ? range->low : o->low, high = range ? range->high : o->high;
-    snprintf(name, sizeof name, o->alias ? "--%s (--%s)" : "--%s", o->name, o->alias);
+    int64_t integer;
+    sp_status status;
+    snprintf(name, sizeof name, "--%s", o->name);
     switch (o->kind) {
     case CLI_FLAG: *(bool *)field = true; break;
     case CLI_TEXT: *(const char **)field = text; break;
     case CLI_NUMBER:
-        if (cli_keep_quantity(arguments, o, text))
+        if (cli_keep_quantity(common, o, field, text))
             return SP_OK;
         return cli_number(name, text, low, high, field, err);
     case CLI_INTEGER: return cli_integer(name, text, (int64_t)low, high < 9e18 ? (int64_t)high : INT64_MAX, field, err);
+    case CLI_INT:
+        status = cli_integer(name, text, (int64_t)low, (int64_t)high, &integer, err);
+        *(int32_t *)field = status == SP_OK ? (int32_t)integer : 0;
+        return status;
     case CLI_CHOICE: return cli_choose(name, text, o->words, field, err);
-    case CLI_PARSED: return o->parse(arguments, text, err);
+    case CLI_PARSED: return o->parse(base, text, err);
     }
     return SP_OK;
+}
+
+static sp_status set_option(const cli_option *o, void *arguments, const char *text, sp_error *err) {
+    cli_common *common = arguments;
+    if (!o->scene)
+        return set_field(common, o, arguments, (char *)arguments + o->field, text, err);
+    if (common->lates == CLI_LATE_MAX)
+        return sp_fail(err, SP_EINVAL, "--%s: too many options", o->name);
+    common->late[common->lates++] = (cli_quantity){.option = o, .text = text};
+    return SP_OK;
+}
+
+static sp_status set_word(const cli_option *o, const sp_word *word, unsigned *field, const char *text, sp_error *err) {
+    const char *words[24] = {NULL};
+    char name[64];
+    int k = 0;
+    for (; k < 23 && word[k].word; k++)
+        words[k] = word[k].word;
+    snprintf(name, sizeof name, "--%s", o->name);
+    const sp_status status = cli_choose(name, text, words, &k, err);
+    if (status == SP_OK)
+        *field = word[k].value;
+    return status;
+}
+
+sp_status cli_set_scene(cli_common *common, sp_scene *scene, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int k = 0; k < common->lates && status == SP_OK; k++) {
+        const cli_option *o = common->late[k].option;
+        const sp_field *f = o->key ? sp_field_find(o->key) : NULL;
+        void *field = (char *)scene + (f ? f->offset : o->field);
+        status = f && f->words ? set_word(o, f->words, field, common->late[k].text, err)
+                               : set_field(common, o, scene, field, common->late[k].text, err);
+    }
+    return status == SP_OK && common->material.young > 0 ? cli_set_quantities(common, &common->material, err) : status;
 }
 
 /* Whether a list of words, separated by blanks, has this word. */
@@ -253,14 +293,6 @@ static const char *long_name(int k, const void *user) {
     return k >= r->rows ? NULL : r->argp[k].name ? r->argp[k].name : other;
 }
 
-/* Whether the next word is the argument of this one. An alias has the argument of the row before it. */
-static bool takes_next(const reading *r, int row) {
-    const struct argp_option *o = &r->argp[row];
-    while (o > r->argp && o->flags & OPTION_ALIAS)
-        o--;
-    return o->arg != NULL;
-}
-
 static bool letter_takes_next(const reading *r, const char *word) {
     for (int k = 0; k < r->rows && word[1] && !word[2]; k++)
         if (r->argp[k].key == word[1])
@@ -295,7 +327,7 @@ static void check_words(const reading *r, int argc, char **argv) {
         const int row = find_long(r, word + 2, length - 2);
         if (row == -1)
             refuse_option(r, word, length);
-        k += row >= 0 && !word[length] && takes_next(r, row);
+        k += row >= 0 && !word[length] && r->argp[row].arg;
     }
 }
 
@@ -375,7 +407,6 @@ void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments)
     add_options(&r, common_options, 90);
     add_help_options(&r);
     check_words(&r, argc, argv);
-    common->threshold = -1;
     if (common->threads == 0)
         common->threads = cores();
     const struct argp argp = {r.argp, parse, syntax->usage, syntax->help, NULL, NULL, NULL};
@@ -403,16 +434,12 @@ sp_status cli_need(const cli_syntax *syntax, const cli_common *common, const cha
     return sp_fail(err, SP_EINVAL, "--%s: only with %s", name, other);
 }
 
-sp_status cli_scene_of_sets(const cli_common *common, const char *groups, sp_scene *out, sp_error *err) {
+sp_status cli_scene_of_sets(cli_common *common, const char *groups, sp_scene *out, sp_error *err) {
     for (int k = 0; k < common->sets; k++)
         if (strncmp(common->set[k], "material.", 9) != 0 &&
             !has_word(groups, common->set[k], strcspn(common->set[k], ".")))
             return sp_fail(err, SP_EINVAL, "--set %.60s: this command takes only keys of the group %s", common->set[k],
                            groups);
-    sp_status status = cli_read_scene(common, NULL, out, err);
-    if (status == SP_OK && common->threshold >= 0)
-        out->network.threshold = common->threshold;
-    if (status == SP_OK && common->prestress)
-        out->network.prestress = true;
-    return status;
+    const sp_status status = cli_read_scene(common, NULL, out, err);
+    return status == SP_OK ? cli_set_scene(common, out, err) : status;
 }

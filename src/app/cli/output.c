@@ -295,3 +295,36 @@ void cli_value(cli_writer *w, const char *key, double value) {
     char number[SP_NUMBER_TEXT];
     cli_comment(w, "%s = %s", key, sp_number_text(value, number));
 }
+
+void cli_quantity_columns(cli_writer *w, const sp_quantity *all, const char *symbols) {
+    const sp_quantity *q;
+    while ((q = sp_quantity_next(all, &symbols)))
+        cli_columns(w, SP_CELL_NUMBER, q->symbol, q->unit, NULL);
+}
+
+void cli_put(cli_writer *w, double number) {
+    if (w->status != SP_OK)
+        return;
+    sp_cell *cell = &w->cell[w->cells];
+    if (w->table->column[w->cells++].kind == SP_CELL_INTEGER)
+        cell->integer = (int64_t)number;
+    else
+        cell->number = number;
+}
+
+void cli_put_text(cli_writer *w, const char *text) {
+    if (w->status == SP_OK)
+        w->cell[w->cells++].text = (char *)text;
+}
+
+void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbols, const void *of) {
+    const sp_quantity *q;
+    while ((q = sp_quantity_next(all, &symbols)))
+        cli_put(w, sp_quantity_value(q, of));
+}
+
+void cli_end_row(cli_writer *w) {
+    if (w->status == SP_OK)
+        w->status = sp_table_add_cells(w->table, w->cell, w->err);
+    w->cells = 0;
+}

@@ -6,7 +6,7 @@
 #include "base/text.h"
 #include "cli/output.h"
 #include "cli/plot_units.h"
-#include "store/packing_text.h"
+#include "cli/trace.h"
 
 #include <errno.h>
 #include <math.h>
@@ -15,103 +15,9 @@
 #include <string.h>
 #include <sys/stat.h>
 
-/* ---- CSV -------------------------------------------------------------------------------------------------------- */
-
-/* The next cell of a line, unquoted in place as in RFC 4180; NULL after the last. */
-static char *csv_cell(char **at) {
-    char *from = *at, *to = *at, *cell = *at;
-    if (!from)
-        return NULL;
-    bool quoted = *from == '"';
-    for (from += quoted; *from && (quoted || *from != ','); from++) {
-        if (quoted && *from == '"') {
-            if (from[1] != '"') {
-                quoted = false;
-                continue;
-            }
-            from++;
-        }
-        *to++ = *from;
-    }
-    *at = *from == ',' ? from + 1 : NULL;
-    *to = '\0';
-    return cell;
-}
-
-/* An empty cell is NAN. */
-static bool csv_number(const char *cell, double *out) {
-    char *end;
-    *out = *cell ? strtod(cell, &end) : NAN;
-    return !*cell || (end > cell && end[strspn(end, " ")] == '\0');
-}
-
-/* Adds the columns, and allocates a row. */
-static sp_status csv_header(const char *path, char *text, double **row, sp_table *t, sp_error *err) {
-    for (char *cell; (cell = csv_cell(&text)) != NULL;) {
-        sp_status status = sp_table_add_column(t, cell, "", SP_CELL_NUMBER, err);
-        if (status != SP_OK) {
-            sp_fail_prefix(err, "%s", path);
-            return status;
-        }
-    }
-    *row = sp_alloc((size_t)t->columns, sizeof **row);
-    return *row ? SP_OK : sp_fail_memory(err, (size_t)t->columns * sizeof **row);
-}
-
-/* row: of so many numbers as there are columns, to work in. */
-static sp_status csv_row(const char *path, int64_t line, char *text, double *row, sp_table *t, sp_error *err) {
-    int count = 0;
-    for (char *cell; (cell = csv_cell(&text)) != NULL; count++) {
-        if (count < t->columns && !csv_number(cell, &row[count]))
-            return sp_fail(err, SP_EFORMAT, "%s:%lld: %s = \"%.40s\": must be a number or empty", path, (long long)line,
-                           t->column[count].name, cell);
-    }
-    if (count != t->columns)
-        return sp_fail(err, SP_EFORMAT, "%s:%lld: %d cells where there are %d columns", path, (long long)line, count,
-                       t->columns);
-    return sp_table_add_numbers(t, row, err);
-}
-
-/* Reads comments after '#', a header, and rows. */
-static sp_status csv_lines(const char *path, char *text, sp_table *t, sp_error *err) {
-    sp_status status = SP_OK;
-    double *row = NULL;
-    char *rest = text;
-    for (int64_t number = 1; rest && status == SP_OK; number++) {
-        char *line = strsep(&rest, "\n");
-        line[strcspn(line, "\r")] = '\0';
-        if (*line == '#')
-            status = sp_table_add_comment(t, err, "%s", line + 1 + (line[1] == ' '));
-        else if (*line && t->columns == 0)
-            status = csv_header(path, line, &row, t, err);
-        else if (*line)
-            status = csv_row(path, number, line, row, t, err);
-    }
-    if (status == SP_OK && t->columns == 0)
-        status = sp_fail(err, SP_EFORMAT, "%s: is no table: it has no header", path);
-    sp_free(row);
-    return status;
-}
-
-static sp_status read_csv(const char *path, sp_table *out, sp_error *err) {
-    sp_table t = sp_table_none();
-    char *text = NULL;
-    size_t size = 0;
-    sp_status status = sp_file_read_text(path, &text, &size, err);
-    if (status != SP_OK)
-        return status;
-    status = csv_lines(path, text, &t, err);
-    sp_free(text);
-    if (status == SP_OK)
-        *out = t;
-    else
-        sp_table_free(&t);
-    return status;
-}
-
 sp_status plot_read_table(const char *path, sp_table *out, sp_error *err) {
     sp_table t = sp_table_none();
-    sp_status status = cli_has_ending(path, ".csv") ? read_csv(path, &t, err) : sp_table_read(path, &t, err);
+    sp_status status = cli_read_table(path, &t, err);
     if (status == SP_OK)
         status = plot_units_convert(&t, err);
     if (status == SP_OK)
@@ -122,22 +28,6 @@ sp_status plot_read_table(const char *path, sp_table *out, sp_error *err) {
 }
 
 /* ---- signals ---------------------------------------------------------------------------------------------------- */
-
-sp_status plot_is_packing(const char *path, bool *yes, sp_error *err) {
-    struct stat info;
-    char head[8192];
-    *yes = false;
-    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
-        return SP_OK;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return sp_fail(err, SP_EIO, "cannot open %s: %s", path, strerror(errno));
-    const size_t size = fread(head, 1, sizeof head - 1, file);
-    fclose(file);
-    head[size] = '\0';
-    *yes = strlen(head) < size || sp_packing_text_looks(head);
-    return SP_OK;
-}
 
 /* Where figures are in SI, turns the signal of a packing into SI too. */
 static void to_si(plot_signal *s) {
@@ -218,88 +108,17 @@ static sp_status find_columns(const char *path, const sp_table *t, int column[2]
     return SP_OK;
 }
 
-int plot_count_signals(const sp_table *t, int first) {
-    char name[16];
-    int n = 0;
-    do {
-        n++;
-        snprintf(name, sizeof name, "F%d", n);
-    } while (first + n <= t->columns && strcmp(t->column[first + n - 1].name, name) == 0 &&
-             t->column[first + n - 1].kind != SP_CELL_TEXT);
-    return n > 1 ? n - 1 : 1;
-}
-
-/* A number of the metadata in our unit: in a table in SI its unit stands behind it. */
-static double own_number(const sp_table *t, const char *key, const char *unit, const sp_material *m) {
-    const char *text = sp_table_get_text(t, key);
-    double value;
-    const bool si = text && m->young > 0 && sp_quantity_read(text, unit, m, &value, NULL) == SP_OK;
-    return si && value > 0.0 ? value : positive_number(t, key);
-}
-
-/* The window of the first front, in the unit of the times. A table of ours in SI says of which material. */
-static void find_window(const sp_table *table, plot_signal *s) {
-    const char *text = sp_table_get_text(table, "material");
-    sp_material m = {0};
-    char si[SP_UNIT_TEXT] = "";
-    double factor = 1.0;
-    s->foreign = strcmp(s->t_unit, "d/sqrt(E* / rho)") != 0;
-    s->length_unit = s->foreign ? "" : "d";
-    if (text && sp_material_read(text, &m, NULL) == SP_OK)
-        sp_unit_to_si("d/sqrt(E* / rho)", &m, &factor, si, NULL);
-    const bool ours_in_si = si[0] && strcmp(si, s->t_unit) == 0;
-    if (ours_in_si)
-        s->length_unit = "mm";
-    else
-        m = (sp_material){0};
-    const double height = own_number(table, "height", "d", &m), pressure = own_number(table, "pressure", "E*", &m);
-    s->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
-    s->window *= ours_in_si ? factor : 1.0;
-}
-
-sp_status plot_column_signal(const sp_table *table, int time, int force, plot_signal *out, sp_error *err) {
-    const int64_t n = table->rows;
-    double *t = sp_alloc((size_t)n, 2 * sizeof *t);
-    if (!t)
-        return sp_fail_memory(err, (size_t)n * 2 * sizeof *t);
-    for (int64_t k = 0; k < n; k++) {
-        t[k] = sp_table_number(table, k, time);
-        t[n + k] = sp_table_number(table, k, force);
-    }
-    const double height = positive_number(table, "height");
-    *out = (plot_signal){.n = n, .t = t, .f = t + n, .height = height > 0 ? height : NAN, .distance = NAN};
-    snprintf(out->t_unit, sizeof out->t_unit, "%s", table->column[time].unit);
-    snprintf(out->f_unit, sizeof out->f_unit, "%s", table->column[force].unit);
-    find_window(table, out);
+static sp_status column_signal(const sp_table *table, int time, int force, plot_signal *out, sp_error *err) {
+    cli_trace s;
+    const sp_status status = cli_trace_of(table, time, force, &s, err);
+    if (status != SP_OK)
+        return status;
+    *out = (plot_signal){.n = s.n, .t = s.t, .f = s.f, .window = s.window, .foreign = s.foreign, .height = s.height};
+    out->distance = NAN;
+    out->length_unit = s.length_unit;
+    memcpy(out->t_unit, s.t_unit, sizeof out->t_unit);
+    memcpy(out->f_unit, s.f_unit, sizeof out->f_unit);
     return SP_OK;
-}
-
-/* The height in "plane:25:normal"; NAN if the place is not a plane. */
-static double plane_of(const char *place) {
-    char number[100];
-    double height = NAN;
-    if (strncmp(place, "plane:", 6) != 0)
-        return NAN;
-    snprintf(number, sizeof number, "%.*s", (int)strspn(place + 6, "0123456789.eE+-"), place + 6);
-    sp_word_number(number, &height);
-    return height;
-}
-
-bool plot_find_detector(const sp_table *t, const char *column, plot_detector *out) {
-    const char *text = sp_table_get_text(t, column), *to = text ? strstr(text, " to ") : NULL;
-    if (!to)
-        return false;
-    *out = (plot_detector){.plane = plane_of(to + 4)};
-    snprintf(out->word, sizeof out->word, "%.*s", (int)strcspn(to + 4, ","), to + 4);
-    const double source = strncmp(text, "from ", 5) == 0 ? plane_of(text + 5) : NAN;
-    out->source = isfinite(source) ? source : 0;
-    return true;
-}
-
-double plot_way(const sp_table *t, const plot_detector *detector, double at) {
-    const char *cell = sp_table_get_text(t, "cell");
-    const double height = positive_number(t, "height"), way = fabs(at - detector->source);
-    return cell && strcmp(cell, "periodic") == 0 && height > way ? fmin(way, height - way) : way;
 }
 
 /* Names a plane by its height, which is z in three dimensions. */
@@ -316,12 +135,12 @@ static void name_plane(const sp_table *table, double plane, bool shear, plot_sig
 /* Names one signal of several by its detector: "y = 25", "top", "part:0:3"; without metadata "F2". */
 static void name_signal(const sp_table *table, int k, bool several, plot_signal *out) {
     char key[16];
-    plot_detector to;
+    cli_detector to;
     const double height = positive_number(table, "height");
     snprintf(key, sizeof key, "F%d", k + 1);
     if (several)
         snprintf(out->name, sizeof out->name, "%s", key);
-    if (!plot_find_detector(table, key, &to)) {
+    if (!cli_find_detector(table, key, &to)) {
         out->distance = height > 0 && !several ? height : NAN;
         return;
     }
@@ -329,7 +148,7 @@ static void name_signal(const sp_table *table, int k, bool several, plot_signal 
               normal = length > 7 && strcmp(to.word + length - 7, ":normal") == 0 ? 7 : 0;
     const bool shear = length > 6 && strcmp(to.word + length - 6, ":shear") == 0;
     if (isfinite(to.plane)) {
-        out->distance = plot_way(table, &to, to.plane);
+        out->distance = cli_way(table, &to, to.plane);
         if (several)
             name_plane(table, to.plane, shear, out);
         return;
@@ -337,7 +156,7 @@ static void name_signal(const sp_table *table, int k, bool several, plot_signal 
     if (several && length > normal)
         snprintf(out->name, sizeof out->name, "%.*s", length - normal < 40 ? length - normal : 40, to.word);
     if (strncmp(to.word, "top", 3) == 0 && height > 0)
-        out->distance = plot_way(table, &to, height);
+        out->distance = cli_way(table, &to, height);
 }
 
 static sp_status begin_signals(int n, plot_signals *out, sp_error *err) {
@@ -353,9 +172,9 @@ static sp_status table_signals(const char *path, plot_signals *out, sp_error *er
         return status;
     status = find_columns(path, &table, column, err);
     if (status == SP_OK)
-        status = begin_signals(plot_count_signals(&table, column[1]), out, err);
+        status = begin_signals(cli_count_signals(&table, column[1]), out, err);
     for (int k = 0; status == SP_OK && k < out->n; k++) {
-        status = plot_column_signal(&table, column[0], column[1] + k, &out->signal[k], err);
+        status = column_signal(&table, column[0], column[1] + k, &out->signal[k], err);
         if (status == SP_OK)
             name_signal(&table, k, out->n > 1, &out->signal[k]);
     }
@@ -373,7 +192,7 @@ void plot_signals_free(plot_signals *s) {
 sp_status plot_read_signals(const char *path, const sp_scene *scene, plot_signals *out, sp_error *err) {
     bool packing;
     plot_signals read = {0};
-    sp_status status = plot_is_packing(path, &packing, err);
+    sp_status status = cli_is_packing(path, &packing, err);
     if (status == SP_OK && packing)
         status = begin_signals(1, &read, err);
     if (status == SP_OK)

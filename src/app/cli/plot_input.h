@@ -10,10 +10,6 @@
 /* Reads a table of numbers: CSV if the file ends in .csv, else TSV. */
 sp_status plot_read_table(const char *path, sp_table *out, sp_error *err);
 
-/* Whether a file is a packing rather than a table: it is binary, or has the header of a packing. A pipe is taken for a
- * table, because it cannot be read twice. */
-sp_status plot_is_packing(const char *path, bool *yes, sp_error *err);
-
 typedef struct plot_signal {
     int64_t n;
     double *t, *f;           /* one block, t its start */
@@ -26,24 +22,6 @@ typedef struct plot_signal {
     char name[64];   /* of one signal of several: "y = 25", the detector, or "F2"; else "" */
     char place[64];  /* the same for a plane as markup with its unit; else "" */
 } plot_signal;
-
-/* The detector of a signal's column by the table's metadata, "F2 = from bottom:normal to plane:25:normal, ...". */
-typedef struct plot_detector {
-    char word[100]; /* "plane:25:normal" */
-    double plane;   /* its height, in the unit of the table's height; NAN if it is not a plane */
-    double source;  /* the same of the source; 0 if that is not a plane */
-} plot_detector;
-/* False if the metadata does not name the detector. */
-bool plot_find_detector(const sp_table *t, const char *column, plot_detector *out);
-/* How far a detector at a height is from the source: in a periodic cell by the shorter way, in the unit of the heights.
- */
-double plot_way(const sp_table *t, const plot_detector *detector, double at);
-
-/* Number of columns F1, F2, ... from column `first` on; 1 if that has another name. */
-int plot_count_signals(const sp_table *t, int first);
-
-/* Reads two columns of a table as times and forces. Sets neither distance nor name. Free out->t. */
-sp_status plot_column_signal(const sp_table *table, int time, int force, plot_signal *out, sp_error *err);
 
 typedef struct plot_signals {
     int n;

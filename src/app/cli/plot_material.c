@@ -1,6 +1,7 @@
 /* Finds the material of the files that a figure shows. */
 #include "base/base.h"
 #include "cli/plot_input.h"
+#include "cli/trace.h"
 #include "cli/plot_units.h"
 
 sp_status plot_units_choose(void *arguments, bool drawn_from_tables, const char *kind, sp_error *err) {
@@ -14,7 +15,7 @@ sp_status plot_units_choose(void *arguments, bool drawn_from_tables, const char 
         bool packing = false;
         sp_packing p = sp_packing_none();
         sp_table t = sp_table_none();
-        status = plot_is_packing(common->file[k], &packing, err);
+        status = cli_is_packing(common->file[k], &packing, err);
         if (status == SP_OK)
             status = packing ? sp_packing_read(common->file[k], &p, err) : plot_read_table(common->file[k], &t, err);
         if (status == SP_OK)

@@ -6,6 +6,7 @@
 #include "cli/motion.h"
 #include "cli/plot_frames.h"
 #include "cli/plot_input.h"
+#include "cli/trace.h"
 
 #include <math.h>
 #include <sonopack/study/modes_file.h>
@@ -205,7 +206,7 @@ static sp_status find_motion(drawing *d, sp_error *err) {
     d->motion.net = &d->net;
     d->motion.mode = d->what->mode;
     if (d->what->given)
-        status = plot_is_packing(d->what->given, &binary, err);
+        status = cli_is_packing(d->what->given, &binary, err);
     if (status == SP_OK && binary && !d->what->mode)
         status = sp_fail(err, SP_EINVAL, "plot snapshot: 2 files, %s must be a table of displacements", d->what->given);
     if (status == SP_OK && d->what->given)

@@ -3,6 +3,7 @@
 
 #include "base/base.h"
 #include "cli/plot_input.h"
+#include "cli/trace.h"
 
 #include <math.h>
 
@@ -36,7 +37,7 @@ sp_status plot_contacts(const cli_common *common, const sp_scene *scene, bool va
     bool packing = true;
     sp_status status = counts ? SP_OK : sp_fail_memory(err, sizeof *counts);
     if (status == SP_OK && files == 1)
-        status = plot_is_packing(file[0], &packing, err);
+        status = cli_is_packing(file[0], &packing, err);
     if (status == SP_OK && !packing)
         status = plot_read_table(file[0], &t, err);
     if (status == SP_OK && packing) {

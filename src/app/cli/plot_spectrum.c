@@ -3,6 +3,7 @@
 
 #include "base/base.h"
 #include "cli/plot_input.h"
+#include "cli/trace.h"
 #include "cli/plot_tables.h"
 #include "cli/plot_units.h"
 #include "cli/spectrum.h"
@@ -35,7 +36,7 @@ sp_status plot_spectrum_files(const cli_common *common, const sp_scene *scene, c
     sp_status status = plot_tables_alloc(spectra->files, spectra->file, &t, err);
     plot_tables_name(&t, spectra->look);
     for (int k = 0; k < t.files && status == SP_OK; k++) {
-        status = plot_is_packing(t.file[k], &packing, err);
+        status = cli_is_packing(t.file[k], &packing, err);
         if (status == SP_OK)
             status = packing ? packing_table(t.file[k], scene, spectra->dispersion, &t.table[k], err)
                              : plot_read_table(t.file[k], &t.table[k], err);

@@ -3,6 +3,7 @@
 
 #include "base/base.h"
 #include "cli/plot_input.h"
+#include "cli/trace.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -84,7 +85,7 @@ static sp_status read_tables(int files, char **file, plot_tables *out, sp_error 
     bool packing = false;
     sp_status status = plot_tables_alloc(files, file, out, err);
     for (int k = 0; k < files && status == SP_OK; k++) {
-        status = plot_is_packing(file[k], &packing, err);
+        status = cli_is_packing(file[k], &packing, err);
         if (status == SP_OK && packing)
             status = sp_fail(err, SP_EFORMAT, "%s: is a packing, must be a table", file[k]);
         if (status == SP_OK)

@@ -3,8 +3,7 @@
 /* sonopack sensitivity: what is differentiated, and the tables. */
 
 #include "cli/files.h"
-#include "cli/places.h"
-#include "cli/pulse.h"
+#include "cli/excitation.h"
 
 typedef enum sensitivity_kind {
     SENSITIVITY_FRONT = 0,

@@ -1,6 +1,6 @@
 /* Fills the table of sonopack spectrum harmonic: the response to harmonic driving. */
 #include "base/base.h"
-#include "cli/dashpots.h"
+#include "cli/excitation.h"
 #include "cli/spectrum.h"
 
 #include <math.h>

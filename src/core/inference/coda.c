@@ -135,3 +135,33 @@ void sp_coda_stretch(int32_t times, const double *t, const double *before, const
     *stretch = own > 0 ? overlap / own : NAN;
     *error = own > 0 && used > 1 ? sqrt(fmax(square - overlap * overlap / own, 0) / (used - 1) / own) : NAN;
 }
+
+/* ---- what first order leaves out -------------------------------------------------------------------------------- */
+
+static int32_t place_of(const sp_coda *c, int32_t grain) {
+    int32_t g = 0;
+    while (g + 1 < c->n && c->grain[g] != grain)
+        g++;
+    return g;
+}
+
+sp_status sp_coda_first_order(const sp_network *net, const sp_coda_options *opt, const sp_coda *c, const double *before,
+                              sp_coda_candidate *found, sp_error *err) {
+    const size_t values = (size_t)c->pairs * (size_t)c->times;
+    const int32_t g = place_of(c, found->grain);
+    double off = found->change; /* of changes that no signal can have nothing is known */
+    if (found->change > -1 && found->change <= 10) {
+        double *change = sp_alloc(values, sizeof *change);
+        sp_status status = change ? sp_coda_signal(net, opt, found->grain, found->change, change, err)
+                                  : sp_fail_memory(err, values * sizeof *change);
+        for (size_t k = 0; k < values && status == SP_OK; k++)
+            change[k] -= before[k];
+        if (status == SP_OK)
+            off = (c->square[g] > 0 ? overlap_of(c, change, g) / c->square[g] : NAN) - found->change;
+        sp_free(change);
+        if (status != SP_OK)
+            return status;
+    }
+    found->error = hypot(found->error, isnan(off) ? INFINITY : off);
+    return SP_OK;
+}

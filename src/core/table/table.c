@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "table/array.h"
 #include "table/metadata.h"
+#include "table/quantity.h"
 
 #include <math.h>
 #include <sonopack/table.h>
@@ -68,6 +69,23 @@ sp_status sp_table_add_numbers(sp_table *t, const double *values, sp_error *err)
         }
     }
     t->rows += status == SP_OK;
+    return status;
+}
+
+sp_status sp_table_add_cells(sp_table *t, const sp_cell *cells, sp_error *err) {
+    sp_status status = t->rows == t->capacity ? grow(t, err) : SP_OK;
+    for (int c = 0; c < t->columns && status == SP_OK; c++) {
+        sp_cell *cell = &t->cells[t->rows * t->columns + c];
+        *cell = cells[c];
+        if (t->column[c].kind != SP_CELL_TEXT || (cell->text = sp_strdup(cells[c].text)))
+            continue;
+        status = sp_fail_memory(err, strlen(cells[c].text));
+        while (c-- > 0)
+            if (t->column[c].kind == SP_CELL_TEXT)
+                sp_free(t->cells[t->rows * t->columns + c].text);
+        break;
+    }
+    t->rows += status == SP_OK; /* no row without its texts */
     return status;
 }
 

@@ -4,6 +4,7 @@
 #include "ensemble/speed.h"
 #include "numeric/interval.h"
 #include "numeric/statistics.h"
+#include "table/quantity.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -22,36 +23,29 @@ enum { QUANTITIES_MAX = 16 };
 enum { FIRST = 4 };
 enum { MEAN = 0, SD, ERROR, LOW, HIGH, COLUMNS };
 
-static const quantity statics_columns[] = {{"Phi2", "", offsetof(sp_sample, statics.phi2), 0},
-                                           {"Phi3", "", offsetof(sp_sample, statics.phi3), 0},
-                                           {"Phi3s", "", offsetof(sp_sample, statics.phi3s), 0},
-                                           {"zs", "", offsetof(sp_sample, statics.zs), 0},
-                                           {"f0", "%", offsetof(sp_sample, statics.f0), 0},
-                                           {"N_over_p", "", offsetof(sp_sample, statics.n_over_p), 0},
-                                           {"Z2", "", offsetof(sp_sample, statics.z2), 0},
-                                           {"Z3", "", offsetof(sp_sample, statics.z3), 0},
-                                           {"F2", "", offsetof(sp_sample, statics.f2), 0},
-                                           {"F2S", "", offsetof(sp_sample, statics.f2s), 0},
-                                           {"s1_over_s2", "", offsetof(sp_sample, statics.s1_over_s2), 0},
-                                           {"s12_over_s2", "", offsetof(sp_sample, statics.s12_over_s2), 0},
-                                           {"mobilised", "", offsetof(sp_sample, statics.mobilised), 0}};
+/* The quantities that tables have, and those in three dimensions alone. */
+static const char statics_symbols[] = "Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2 s12_over_s2 mobilised";
+static const char statics_3d_symbols[] = "s32_over_s2";
+static const char moduli_symbols[] = "C11 C12 C22 C33 c_l c_t", moduli_3d_symbols[] = "C13 C23 C44 C55 C66";
 
-/* Additional quantities in three dimensions. */
-static const quantity statics_3d_columns[] = {{"s32_over_s2", "", offsetof(sp_sample, statics.s32_over_s2), 0}};
+/* Fills q with the named ones of a result at this offset in a sample. Returns how many they are. */
+static int named(const sp_quantity *all, size_t at, const char *symbols, quantity *q) {
+    const sp_quantity *of;
+    int count = 0;
+    while ((of = sp_quantity_next(all, &symbols))) {
+        q[count] = (quantity){.unit = of->unit, .offset = at + of->offset};
+        snprintf(q[count++].name, sizeof q->name, "%s", of->symbol);
+    }
+    return count;
+}
 
-static const quantity moduli_columns[] = {{"C11", "E*", offsetof(sp_sample, moduli.c11), 0},
-                                          {"C12", "E*", offsetof(sp_sample, moduli.c12), 0},
-                                          {"C22", "E*", offsetof(sp_sample, moduli.c22), 0},
-                                          {"C33", "E*", offsetof(sp_sample, moduli.c33), 0},
-                                          {"c_l", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_l), 0},
-                                          {"c_t", "sqrt(E* / rho)", offsetof(sp_sample, moduli.c_t), 0}};
+static int named_statics(const char *symbols, quantity *q) {
+    return named(sp_statics_quantities, offsetof(sp_sample, statics), symbols, q);
+}
 
-/* Additional quantities in three dimensions. */
-static const quantity moduli_3d_columns[] = {{"C13", "E*", offsetof(sp_sample, moduli.c13), 0},
-                                             {"C23", "E*", offsetof(sp_sample, moduli.c23), 0},
-                                             {"C44", "E*", offsetof(sp_sample, moduli.c44), 0},
-                                             {"C55", "E*", offsetof(sp_sample, moduli.c55), 0},
-                                             {"C66", "E*", offsetof(sp_sample, moduli.c66), 0}};
+static int named_moduli(const char *symbols, quantity *q) {
+    return named(sp_moduli_quantities, offsetof(sp_sample, moduli), symbols, q);
+}
 
 static double value_of(const sp_sample *s, const quantity *q) {
     double value, over = 1;
@@ -182,21 +176,14 @@ static int probe_quantities(int dim, quantity *q) {
 
 /* The quantities of a part. All samples of a table have the same dimension. */
 static int quantities_of(unsigned part, int dim, quantity *q) {
-    enum { STATICS = sizeof statics_columns / sizeof *q, MODULI = sizeof moduli_columns / sizeof *q };
-    enum { SPACE = sizeof moduli_3d_columns / sizeof *q, SPACE_STATICS = sizeof statics_3d_columns / sizeof *q };
-    switch (part) {
-    case SP_WANT_STATICS:
-        memcpy(q, statics_columns, sizeof statics_columns);
-        if (dim == 3)
-            memcpy(q + STATICS, statics_3d_columns, sizeof statics_3d_columns);
-        return STATICS + (dim == 3 ? SPACE_STATICS : 0);
-    case SP_WANT_PROBES: return probe_quantities(dim, q);
-    default:
-        memcpy(q, moduli_columns, sizeof moduli_columns);
-        if (dim == 3)
-            memcpy(q + MODULI, moduli_3d_columns, sizeof moduli_3d_columns);
-        return MODULI + (dim == 3 ? SPACE : 0);
+    if (part == SP_WANT_PROBES)
+        return probe_quantities(dim, q);
+    if (part == SP_WANT_STATICS) {
+        const int count = named_statics(statics_symbols, q);
+        return count + (dim == 3 ? named_statics(statics_3d_symbols, q + count) : 0);
     }
+    const int count = named_moduli(moduli_symbols, q);
+    return count + (dim == 3 ? named_moduli(moduli_3d_symbols, q + count) : 0);
 }
 
 /* Counts samples in which a single loose grain takes most of the energy of a body force. Their modulus is that of its
@@ -240,43 +227,57 @@ static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part,
     return status;
 }
 
+/* Statics, then moduli. */
+static int ensemble_quantities(quantity q[2 * QUANTITIES_MAX], int *statics) {
+    *statics = named_statics(statics_symbols, q);
+    return *statics + named_moduli(moduli_symbols, q + *statics);
+}
+
+static const sp_column ensemble_first[] = {{"p", "E*", SP_CELL_NUMBER},
+                                           {"grains", "", SP_CELL_INTEGER},
+                                           {"seed", "", SP_CELL_INTEGER},
+                                           {"height", "d", SP_CELL_NUMBER},
+                                           {"t10", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                                           {"t_peak", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                                           {"t_zero", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
+                                           {"amplitude", "E* d^2", SP_CELL_NUMBER},
+                                           {"width", "d/sqrt(E* / rho)", SP_CELL_NUMBER}},
+                       ensemble_last[] = {{"dimension", "", SP_CELL_INTEGER}, {"Lx", "d", SP_CELL_NUMBER},
+                                          {"friction", "", SP_CELL_NUMBER},   {"failed", "", SP_CELL_INTEGER},
+                                          {"reason", "", SP_CELL_TEXT},       {"name", "", SP_CELL_TEXT}};
+enum { ENSEMBLE_FIRST = sizeof ensemble_first / sizeof *ensemble_first };
+enum { ENSEMBLE_LAST = sizeof ensemble_last / sizeof *ensemble_last };
+
 static sp_status ensemble_columns(sp_table *t, sp_error *err) {
-    static const sp_column first[] = {{"p", "E*", SP_CELL_NUMBER},
-                                      {"grains", "", SP_CELL_INTEGER},
-                                      {"seed", "", SP_CELL_INTEGER},
-                                      {"height", "d", SP_CELL_NUMBER},
-                                      {"t10", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                                      {"t_peak", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                                      {"t_zero", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                                      {"amplitude", "E* d^2", SP_CELL_NUMBER},
-                                      {"width", "d/sqrt(E* / rho)", SP_CELL_NUMBER}},
-                           last[] = {{"dimension", "", SP_CELL_INTEGER}, {"Lx", "d", SP_CELL_NUMBER},
-                                     {"friction", "", SP_CELL_NUMBER},   {"failed", "", SP_CELL_INTEGER},
-                                     {"reason", "", SP_CELL_TEXT},       {"name", "", SP_CELL_TEXT}};
-    sp_status status = sp_columns_add(t, sizeof first / sizeof *first, first, err);
-    for (size_t k = 0; k < sizeof statics_columns / sizeof *statics_columns && status == SP_OK; k++)
-        status = sp_table_add_column(t, statics_columns[k].name, statics_columns[k].unit, SP_CELL_NUMBER, err);
-    for (size_t k = 0; k < sizeof moduli_columns / sizeof *moduli_columns && status == SP_OK; k++)
-        status = sp_table_add_column(t, moduli_columns[k].name, moduli_columns[k].unit, SP_CELL_NUMBER, err);
-    if (status == SP_OK)
-        status = sp_columns_add(t, sizeof last / sizeof *last, last, err);
-    return status;
+    quantity q[2 * QUANTITIES_MAX];
+    int statics;
+    const int count = ensemble_quantities(q, &statics);
+    sp_status status = sp_columns_add(t, ENSEMBLE_FIRST, ensemble_first, err);
+    for (int k = 0; k < count && status == SP_OK; k++)
+        status = sp_table_add_column(t, q[k].name, q[k].unit, SP_CELL_NUMBER, err);
+    return status == SP_OK ? sp_columns_add(t, ENSEMBLE_LAST, ensemble_last, err) : status;
 }
 
 /* Adds a row with all results of a sample; NAN for missing parts. */
 static sp_status add_sample(const sp_sample *s, sp_table *t, sp_error *err) {
     const sp_front none = {NAN, NAN, NAN, NAN, NAN, 0};
     const sp_front f = s->have & SP_WANT_CTOF ? s->front : none;
-    double v[QUANTITIES_MAX], c[QUANTITIES_MAX];
-    for (size_t k = 0; k < sizeof statics_columns / sizeof *statics_columns; k++)
-        v[k] = s->have & SP_WANT_STATICS ? value_of(s, &statics_columns[k]) : NAN;
-    for (size_t k = 0; k < sizeof moduli_columns / sizeof *moduli_columns; k++)
-        c[k] = s->have & SP_WANT_MODULI ? value_of(s, &moduli_columns[k]) : NAN;
-    const char *reason = s->reason[0] ? s->reason : "-"; /* of a failed sample or part */
-    return sp_table_add_row(t, err, s->pressure, (int64_t)s->grains, (int64_t)s->seed, s->height, f.t10, f.t_peak,
-                            f.t_zero, f.amplitude, f.width, v[0], v[1], v[2], v[3], v[4], v[5], v[6], v[7], v[8], v[9],
-                            v[10], v[11], v[12], c[0], c[1], c[2], c[3], c[4], c[5], (int64_t)s->dim, s->width,
-                            s->friction, (int64_t)s->failed, reason, (const char *)s->name);
+    sp_cell row[ENSEMBLE_FIRST + 2 * QUANTITIES_MAX + ENSEMBLE_LAST] = {
+        {.number = s->pressure}, {.integer = s->grains},  {.integer = (int64_t)s->seed},
+        {.number = s->height},   {.number = f.t10},       {.number = f.t_peak},
+        {.number = f.t_zero},    {.number = f.amplitude}, {.number = f.width}};
+    quantity q[2 * QUANTITIES_MAX];
+    int statics, at = ENSEMBLE_FIRST;
+    const int count = ensemble_quantities(q, &statics);
+    for (int k = 0; k < count; k++)
+        row[at++].number = s->have & (k < statics ? SP_WANT_STATICS : SP_WANT_MODULI) ? value_of(s, &q[k]) : NAN;
+    row[at++].integer = s->dim;
+    row[at++].number = s->width;
+    row[at++].number = s->friction;
+    row[at++].integer = s->failed;
+    row[at++].text = (char *)(s->reason[0] ? s->reason : "-"); /* of a failed sample or part */
+    row[at++].text = (char *)s->name;
+    return sp_table_add_cells(t, row, err);
 }
 
 static sp_status fill_ensemble(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {

@@ -13,10 +13,6 @@
     { {"/results/sample/" #member, unit, description}, type, offsetof(sp_sample, member) }
 #define FRONT(member, unit, description)                                                                               \
     { {"/results/front/" #member, unit, description}, SP_H5_F64, offsetof(sp_front, member) }
-#define STATICS(member, unit, description)                                                                             \
-    { {"/results/statics/" #member, unit, description}, SP_H5_F64, offsetof(sp_statics, member) }
-#define MODULI(member, unit, description)                                                                              \
-    { {"/results/moduli/" #member, unit, description}, SP_H5_F64, offsetof(sp_moduli, member) }
 #define SPECTRUM(member, type, unit, description)                                                                      \
     { {"/results/spectrum/" #member, unit, description}, type, offsetof(sp_spectrum_made, member) }
 #define TIME      "d / sqrt(E* / rho)"
@@ -39,28 +35,21 @@ static const sp_h5_field front_field[] = {
     FRONT(amplitude, "E* d^2", "height of the first peak, for the source of the scene at unit strength"),
     FRONT(width, TIME, "t_zero - t10"),
 };
+/* Units of tables, in which a pure number has none. */
+#define UNIT(unit) (sizeof(unit) == 1 ? "1" : unit)
+#define STATICS(member, symbol, unit, description)                                                                     \
+    {{"/results/statics/" #member, UNIT(unit), description}, SP_H5_F64, offsetof(sp_statics, member)},
 static const sp_h5_field statics_field[] = {
-    STATICS(phi2, "1", "area fraction Phi_2 of the bulk"),
-    STATICS(phi3, "1", "volume fraction Phi_3 in a layer one diameter thick"),
-    STATICS(phi3s, "1", "volume fraction Phi_3* without rattlers"),
-    STATICS(zs, "1", "coordination number z*: force-carrying contacts, without rattlers"),
-    STATICS(f0, "%", "rattlers in percent of the grains"),
-    STATICS(n_over_p, "1", "mean normal force over p d^2"),
-    STATICS(z2, "1", "second moment Z(2) of the normal forces"),
-    STATICS(z3, "1", "third moment Z(3) of the normal forces"),
-    STATICS(f2, "1", "mean square vertical component of the normals, all contacts"),
-    STATICS(f2s, "1", "the same over contacts above the mean force"),
-    STATICS(s1_over_s2, "1", "horizontal over vertical stress"),
+#include <sonopack/quantities.inc>
 };
+#undef STATICS
+#define MODULI(member, symbol, unit, description)                                                                      \
+    {{"/results/moduli/" #member, UNIT(unit), description}, SP_H5_F64, offsetof(sp_moduli, member)},
 static const sp_h5_field moduli_field[] = {
-    MODULI(c11, "E*", "modulus C11"),
-    MODULI(c12, "E*", "modulus C12"),
-    MODULI(c22, "E*", "modulus C22"),
-    MODULI(c33, "E*", "shear modulus C33"),
-    MODULI(c_l, SPEED, "speed of long longitudinal waves sqrt(C22/Phi_3*)"),
-    MODULI(c_t, SPEED, "speed of long transverse waves sqrt(C33/Phi_3*)"),
-    MODULI(residual, "1", "largest relative residual of the solves"),
+#include <sonopack/quantities.inc>
 };
+/* How many of them every sample has; the others are optional. */
+enum { STATICS_ALWAYS = 11, MODULI_ALWAYS = 7 };
 
 static const sp_h5_field spectrum_field[] = {
     SPECTRUM(carrying, SP_H5_I32, "1", "grains of the network: without rattlers"),
@@ -93,23 +82,6 @@ static const sp_h5_field probe_field[] = {
         {"/results/probes/concentrated_" name, "1", "largest share of one grain in the energy"}, SP_H5_F64,            \
             offsetof(sp_sample, probe[row].concentrated)                                                               \
     }
-static const sp_h5_field moduli_3d_field[] = {
-    MODULI(c13, "E*", "modulus C13"),       MODULI(c23, "E*", "modulus C23"),
-    MODULI(c44, "E*", "shear modulus C44"), MODULI(c55, "E*", "shear modulus C55"),
-    MODULI(c66, "E*", "shear modulus C66"),
-};
-/* Also missing in files of earlier versions. */
-static const sp_h5_field stress_field[] = {
-    STATICS(s12_over_s2, "1", "shear over vertical stress, on a horizontal plane along x"),
-    STATICS(s32_over_s2, "1", "the same along y, in three dimensions"),
-    STATICS(mobilised, "1", "fraction of the carrying contacts with |Ft| >= 0.99 mu Fn"),
-    STATICS(s_xx, "E*", "mean stress of the packing, positive in compression"),
-    STATICS(s_yy, "E*", "mean stress of the packing"),
-    STATICS(s_zz, "E*", "mean stress of the packing"),
-    STATICS(s_yz, "E*", "mean stress of the packing"),
-    STATICS(s_xz, "E*", "mean stress of the packing"),
-    STATICS(s_xy, "E*", "mean stress of the packing"),
-};
 static const sp_h5_field share_field[] = {
     SHARES(SP_SINE_1, "sine_1"),
     SHARES(SP_SINE_2, "sine_2"),
@@ -125,17 +97,16 @@ static const struct part {
     size_t offset;
 } part[] = {
     {SP_WANT_CTOF, "/results/front", sizeof front_field / sizeof *front_field, front_field, offsetof(sp_sample, front)},
-    {SP_WANT_STATICS, "/results/statics", sizeof statics_field / sizeof *statics_field, statics_field,
-     offsetof(sp_sample, statics)},
-    {SP_WANT_MODULI, "/results/moduli", sizeof moduli_field / sizeof *moduli_field, moduli_field,
-     offsetof(sp_sample, moduli)},
+    {SP_WANT_STATICS, "/results/statics", STATICS_ALWAYS, statics_field, offsetof(sp_sample, statics)},
+    {SP_WANT_MODULI, "/results/moduli", MODULI_ALWAYS, moduli_field, offsetof(sp_sample, moduli)},
     {SP_WANT_PROBES, "/results/probes", sizeof probe_field / sizeof *probe_field, probe_field, 0},
     {SP_WANT_SPECTRUM, "/results/spectrum", sizeof spectrum_field / sizeof *spectrum_field, spectrum_field,
      offsetof(sp_sample, spectrum)},
-    {SP_WANT_MODULI, NULL, sizeof moduli_3d_field / sizeof *moduli_3d_field, moduli_3d_field,
+    {SP_WANT_MODULI, NULL, sizeof moduli_field / sizeof *moduli_field - MODULI_ALWAYS, moduli_field + MODULI_ALWAYS,
      offsetof(sp_sample, moduli)},
     {SP_WANT_PROBES, NULL, sizeof share_field / sizeof *share_field, share_field, 0},
-    {SP_WANT_STATICS, NULL, sizeof stress_field / sizeof *stress_field, stress_field, offsetof(sp_sample, statics)},
+    {SP_WANT_STATICS, NULL, sizeof statics_field / sizeof *statics_field - STATICS_ALWAYS,
+     statics_field + STATICS_ALWAYS, offsetof(sp_sample, statics)},
 };
 enum { PARTS = sizeof part / sizeof *part, SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field };
 

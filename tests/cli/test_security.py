@@ -1,7 +1,7 @@
 """What docs/security.md promises about files that nobody trusts: their texts reach no terminal, page or figure as commands;
 nothing in them is executed or loaded; no name in them leads out of a store; temporaries follow no link.
 
-usage: test_absurd_security.py COMMAND SOURCE_DIR
+usage: test_security.py COMMAND SOURCE_DIR
 """
 import html.parser
 import json
