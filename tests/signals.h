@@ -31,7 +31,8 @@ static inline double difference(int n, const double *f, const double *g) {
 /* Every allocation fails once, more than `least`: nothing is left behind. p: of dynamics, else NULL. */
 static inline void lacks_memory(const sp_packing *p, const sp_network *net, const sp_signal_options *o, int least) {
     sp_signal s = sp_signal_none();
-    EACH_ALLOCATION_FAILS(least, sp_signal_dynamics(p, net, o, &s, &err), assert_true(!lacks || !s.f), sp_signal_free(&s));
+    EACH_ALLOCATION_FAILS(least, sp_signal_compute(p, net, o, &s, &err), assert_true(!lacks || !s.f),
+                          sp_signal_free(&s));
 }
 
 #endif

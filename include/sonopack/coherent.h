@@ -77,8 +77,8 @@ typedef struct sp_free_path {
     double k_path, k_path_err; /* k path; NAN where path is */
 } sp_free_path;
 SP_API sp_free_path sp_free_path_of(double k, double k_err, double alpha, double alpha_err);
-/* The lowest frequency at which the mean free path falls to half a wavelength, k path = pi, between two of the ascending
- * frequencies omega [n], and its error (Ioffe and Regel 1960). False: there is none. */
+/* The lowest frequency at which the mean free path falls to half a wavelength, k path = pi, between two of the
+ * ascending frequencies omega [n], and its error (Ioffe and Regel 1960). False: there is none. */
 SP_API bool sp_ioffe_regel(int32_t n, const double *omega, const sp_free_path *path, double *out, double *error);
 
 #ifdef __cplusplus

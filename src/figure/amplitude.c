@@ -47,7 +47,7 @@ typedef struct groups {
 static bool has(const sp_table *t, const layout *l) {
     for (int q = 0; q < l->values; q++) {
         const int at = sp_table_find_column(t, l->column[q]);
-        if (at < 0 || t->column[at].kind == SP_CELL_TEXT)
+        if (at < 0 || t->column[at].kind == SP_COLUMN_TEXT)
             return false;
     }
     return true;

@@ -54,7 +54,7 @@ static sp_status find_column(const sp_table *t, const char *name, bool needed, i
     if (*out < 0 && needed)
         return sp_fail(err, SP_EINVAL, "the table has no column %s; a ctof table has p, c_tof, c_tof_err, c_l, c_t",
                        name);
-    if (*out >= 0 && t->column[*out].kind == SP_CELL_TEXT)
+    if (*out >= 0 && t->column[*out].kind == SP_COLUMN_TEXT)
         return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers, nan where there is none", name);
     return SP_OK;
 }

@@ -16,7 +16,7 @@ typedef struct columns {
 
 static sp_status find_columns(const sp_table *t, columns *c, sp_error *err) {
     c->polarization = sp_table_find_column(t, "polarization");
-    if (c->polarization < 0 || t->column[c->polarization].kind != SP_CELL_TEXT)
+    if (c->polarization < 0 || t->column[c->polarization].kind != SP_COLUMN_TEXT)
         return sp_fail(
             err, SP_EINVAL,
             "the table has no words in a column polarization; must be one of `sonopack spectrum dispersion'");

@@ -34,7 +34,7 @@ static sp_status read_ensemble(const sp_table *t, double **memory, const double 
     for (int q = 0; q < ENSEMBLE_COLUMNS; q++) {
         int at = sp_table_find_column(t, ensemble_columns[q]);
         column[q] = NULL;
-        if (q >= E_LOW && (at < 0 || t->column[at].kind == SP_CELL_TEXT))
+        if (q >= E_LOW && (at < 0 || t->column[at].kind == SP_COLUMN_TEXT))
             continue;
         sp_status status =
             sp_column_find(t, ensemble_columns[q], "a table of an ensemble has t, mean and rms", &at, err);

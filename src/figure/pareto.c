@@ -69,7 +69,7 @@ static sp_status find_columns(const sp_table *t, columns *at, sp_error *err) {
                     sp_table_find_column(t, "seconds"), sp_table_find_column(t, "error")};
     if (at->name < 0 || at->method < 0 || at->seconds < 0 || at->error < 0)
         return sp_fail(err, SP_EINVAL, "the table lacks one of the columns case, method, seconds, error of a bench");
-    if (t->column[at->name].kind != SP_CELL_TEXT || t->column[at->method].kind != SP_CELL_TEXT)
+    if (t->column[at->name].kind != SP_COLUMN_TEXT || t->column[at->method].kind != SP_COLUMN_TEXT)
         return sp_fail(err, SP_EINVAL, "columns case and method hold numbers: must be names");
     return SP_OK;
 }
@@ -78,7 +78,7 @@ static sp_status read_points(const sp_table *t, const char *only, clouds *c, sp_
     columns at;
     sp_status status = find_columns(t, &at, err);
     for (int64_t row = 0; row < t->rows && status == SP_OK; row++) {
-        const sp_cell *cell = t->cells + row * t->columns;
+        const sp_entry *cell = t->cells + row * t->columns;
         const double error = sp_table_number(t, row, at.error), seconds = sp_table_number(t, row, at.seconds);
         int method = 0;
         if (strcmp(cell[at.name].text, only) != 0 || is_choice(cell[at.method].text) ||

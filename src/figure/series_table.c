@@ -27,7 +27,7 @@ typedef struct reader {
 
 static int number_column(const sp_table *t, const char *name) {
     const int column = sp_table_find_column(t, name);
-    return column >= 0 && t->column[column].kind != SP_CELL_TEXT ? column : -1;
+    return column >= 0 && t->column[column].kind != SP_COLUMN_TEXT ? column : -1;
 }
 
 /* No column for the figure: a signal becomes a table of fronts by another command. */
@@ -47,7 +47,7 @@ static sp_status find_columns(const sp_plot_table *from, reader *r, sp_error *er
     const sp_table *t = from->table;
     *r = (reader){.from = from};
     r->file = sp_table_find_column(t, "file");
-    if (r->file >= 0 && t->column[r->file].kind != SP_CELL_TEXT)
+    if (r->file >= 0 && t->column[r->file].kind != SP_COLUMN_TEXT)
         r->file = -1;
     r->key[G_PRESSURE] = number_column(t, "p");
     r->key[G_FRICTION] = number_column(t, "friction");

@@ -59,9 +59,9 @@ static void add_part(const char *key, const sp_table_value *v, char out[SETTINGS
     for (size_t k = 0; k < sizeof symbols / sizeof *symbols; k++)
         if (strcmp(key, symbols[k][0]) == 0) {
             snprintf(name, sizeof name, "%s", symbols[k][1]);
-            unit = v->kind != SP_CELL_TEXT ? symbols[k][2] : "";
+            unit = v->kind != SP_COLUMN_TEXT ? symbols[k][2] : "";
         }
-    if (v->kind != SP_CELL_TEXT && isfinite(v->number))
+    if (v->kind != SP_COLUMN_TEXT && isfinite(v->number))
         sp_figure_text_number(value, sizeof value, v->number, 9);
     else
         sp_figure_text_escape(value, sizeof value, v->text, 16);

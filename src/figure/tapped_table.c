@@ -11,7 +11,7 @@ static const char what[] = "must be a table of `sonopack column'";
 
 int sp_tapped_table_column(const tapped_table *s, const char *name) {
     const int column = sp_table_find_column(s->table, name);
-    return column >= 0 && s->table->column[column].kind != SP_CELL_TEXT ? column : -1;
+    return column >= 0 && s->table->column[column].kind != SP_COLUMN_TEXT ? column : -1;
 }
 
 /* Finds the first of the consecutive columns name1, name2, ..., and their number. */
@@ -68,7 +68,7 @@ sp_status sp_tapped_table_read(const sp_plot_table *from, tapped_table *out, sp_
     int densities = 0;
     tapped_table s = {.table = from->table, .label = from->label, .named = from->named};
     for (int c = 0; c < from->table->columns; c++)
-        if (from->table->column[c].kind == SP_CELL_TEXT)
+        if (from->table->column[c].kind == SP_COLUMN_TEXT)
             return sp_fail(err, SP_EINVAL, "column %s holds text: must be numbers", from->table->column[c].name);
     if (!find_output(&s))
         return sp_fail(err, SP_EINVAL,

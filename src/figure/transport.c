@@ -26,7 +26,7 @@ typedef struct drawing {
 /* A column of positive numbers; a value that a logarithmic axis cannot show makes a gap. False if there is none. */
 static bool read_column(const sp_table *t, const char *name, bool positive, double *to) {
     const int at = sp_table_find_column(t, name);
-    if (at < 0 || t->column[at].kind == SP_CELL_TEXT)
+    if (at < 0 || t->column[at].kind == SP_COLUMN_TEXT)
         return false;
     for (int64_t row = 0; row < t->rows; row++) {
         const double value = sp_table_number(t, row, at);

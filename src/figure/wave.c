@@ -21,7 +21,7 @@ static const char *const names[WAVE_COLUMNS] = {"k", "speed", "speed_err", "alph
 static sp_status read_wave(const sp_table *t, double *memory, const double *column[WAVE_COLUMNS], sp_error *err) {
     for (int q = 0; q < WAVE_COLUMNS; q++) {
         const int at = sp_table_find_column(t, names[q]);
-        if (at < 0 || t->column[at].kind == SP_CELL_TEXT)
+        if (at < 0 || t->column[at].kind == SP_COLUMN_TEXT)
             return sp_fail(
                 err, SP_EINVAL,
                 "the table has no column %s of numbers; one of `sonopack wave' has omega, k, speed and alpha",

@@ -115,7 +115,7 @@ TEST(test_same_motion) {
     o.until = 20;
     o.points = POINTS;
     o.step = 0.1;
-    assert_ok(sp_signal_dynamics(&p, &net, &o, &signal, &err));
+    assert_ok(sp_signal_compute(&p, &net, &o, &signal, &err));
     motion s;
     assert_ok(sp_motion_make(&p, &net, SP_MOTION_NEAR, 0, NULL, &s, &err));
     const double factor = sp_motion_kick(&s, a, true, 0.2);

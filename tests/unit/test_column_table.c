@@ -2,7 +2,7 @@
 #include "test.h"
 
 #include "base/base.h"
-#include "tapped/table.h"
+#include "tapped/tapped_table.h"
 
 #include <string.h>
 

@@ -168,7 +168,8 @@ TEST(test_no_memory) {
     kind k = {"chain", chain_packing(3000, 1e-4), false, 2, 4};
     sp_network net = network_of(&k);
     sp_operator op = {0};
-    EACH_ALLOCATION_FAILS(12, sp_operator_make(&net, &op, &err), assert_true(!lacks || !op.first), sp_operator_free(&op));
+    EACH_ALLOCATION_FAILS(12, sp_operator_make(&net, &op, &err), assert_true(!lacks || !op.first),
+                          sp_operator_free(&op));
     sp_network_free(&net);
     sp_packing_free(&k.p);
 }

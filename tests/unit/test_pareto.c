@@ -34,7 +34,7 @@ static sp_table bench_table(void) {
     sp_table t = sp_table_none();
     static const char *const names[] = {"case", "method", "parameter", "seconds", "error", "memory_MB"};
     for (int k = 0; k < 6; k++)
-        assert_ok(sp_table_add_column(&t, names[k], "", k < 2 ? SP_CELL_TEXT : SP_CELL_NUMBER, &err));
+        assert_ok(sp_table_add_column(&t, names[k], "", k < 2 ? SP_COLUMN_TEXT : SP_COLUMN_NUMBER, &err));
     return t;
 }
 
@@ -81,7 +81,7 @@ TEST(test_refusals) {
     assert_fails(sp_plot_pareto(&t, NULL, path, &err), SP_EREFUSED, "methods");
     sp_table_free(&t);
     t = sp_table_none();
-    assert_ok(sp_table_add_column(&t, "case", "", SP_CELL_TEXT, &err));
+    assert_ok(sp_table_add_column(&t, "case", "", SP_COLUMN_TEXT, &err));
     assert_fails(sp_plot_pareto(&t, NULL, path, &err), SP_EINVAL, "columns");
     sp_table_free(&t);
 }

@@ -168,7 +168,7 @@ static sp_table table_of(int rows, const double (*value)[COLUMNS]) {
     static const char *const name[] = {"p", "c_tof", "c_tof_err", "c_l", "c_t"};
     sp_table t = sp_table_none();
     for (int c = 0; c < COLUMNS; c++)
-        sp_table_add_column(&t, name[c], "", SP_CELL_NUMBER, NULL);
+        sp_table_add_column(&t, name[c], "", SP_COLUMN_NUMBER, NULL);
     for (int r = 0; r < rows; r++)
         sp_table_add_row(&t, NULL, value[r][0], value[r][1], value[r][2], value[r][3], value[r][4]);
     return t;
@@ -360,7 +360,7 @@ static void test_bars_of_long_waves(void **state) {
         sp_table t = sp_table_none();
         static const char *const name[] = {"p", "c_tof", "c_l", "c_l_err"};
         for (int c = 0; c < 4; c++)
-            assert_ok(sp_table_add_column(&t, name[c], "", SP_CELL_NUMBER, &err));
+            assert_ok(sp_table_add_column(&t, name[c], "", SP_COLUMN_NUMBER, &err));
         for (int r = 0; r < 3; r++) { /* ranges that the bars do not change */
             const double c = r == 1 ? 0.1 : r == 0 ? 0.01 : 1;
             assert_ok(sp_table_add_row(&t, &err, pow(10, r - 7), c, r == 1 ? 0.1 : NAN, part[q] * 0.1));
@@ -624,8 +624,8 @@ static void test_refused_tables_leave_no_file(void **state) {
     assert_fails(plot_rows(1, bad_error, path, &err), SP_EREFUSED, "c_tof_err -0.1");
     sp_table t = sp_table_none();
     assert_fails(sp_plot_ctof(&t, path, &err), SP_EINVAL, "p");
-    assert_ok(sp_table_add_column(&t, "p", "", SP_CELL_NUMBER, &err));
-    assert_ok(sp_table_add_column(&t, "c_tof", "", SP_CELL_TEXT, &err));
+    assert_ok(sp_table_add_column(&t, "p", "", SP_COLUMN_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "c_tof", "", SP_COLUMN_TEXT, &err));
     assert_ok(sp_table_add_row(&t, &err, 1e-4, "fast"));
     assert_fails(sp_plot_ctof(&t, path, &err), SP_EINVAL, "c_tof");
     sp_table_free(&t);

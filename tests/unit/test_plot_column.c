@@ -84,7 +84,7 @@ static sp_table table_of(cells from) {
             *unit++ = '\0';
             unit[strlen(unit) - 1] = '\0';
         }
-        assert_ok(sp_table_add_column(&t, name, unit ? unit : "", SP_CELL_NUMBER, &err));
+        assert_ok(sp_table_add_column(&t, name, unit ? unit : "", SP_COLUMN_NUMBER, &err));
     }
     for (int64_t k = 0; k < from.rows; k++) {
         for (int c = 0; c < t.columns; c++)
@@ -177,7 +177,7 @@ static void test_surfaces(void **state) {
     assert_ok(plot(3, t, NULL, png, &err));
     sp_table one = table_of((cells){"t y0 y1", 10, swing}), words = sp_table_none();
     refuses(1, &one, &alone, SP_EINVAL, "");
-    assert_ok(sp_table_add_column(&words, "t", "", SP_CELL_TEXT, &err));
+    assert_ok(sp_table_add_column(&words, "t", "", SP_COLUMN_TEXT, &err));
     refuses(1, &words, NULL, SP_EINVAL, "t");
     refuses(7, t, NULL, SP_EINVAL, "7");
     for (int k = 0; k < 3; k++)

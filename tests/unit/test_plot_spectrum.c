@@ -27,7 +27,7 @@ static sp_table table_of(const char *kind, const char *const *columns, int count
     sp_table t = sp_table_none();
     assert_ok(sp_table_add_comment(&t, &err, "spectrum = %s", kind));
     for (int k = 0; k < count; k++)
-        assert_ok(sp_table_add_column(&t, columns[k], "", SP_CELL_NUMBER, &err));
+        assert_ok(sp_table_add_column(&t, columns[k], "", SP_COLUMN_NUMBER, &err));
     return t;
 }
 
@@ -71,7 +71,7 @@ static void test_ensembles(void **state) {
     static const char *const columns[] = {"omega", "low", "high", "density", "density_low", "density_high"};
     sp_table one = table_of("ensemble", columns, 6), bare = sp_table_none(), two = dos_table(3);
     for (int k = 0; k < 6; k++)
-        assert_ok(sp_table_add_column(&bare, columns[k], "", SP_CELL_NUMBER, &err));
+        assert_ok(sp_table_add_column(&bare, columns[k], "", SP_COLUMN_NUMBER, &err));
     for (int k = 0; k < 20; k++) {
         const double w = k + 0.5, g = w * (20 - w), off = k == 7 ? NAN : k < 3 ? 2 * g : 0.1 * g;
         assert_ok(sp_table_add_row(&one, &err, w, w - 0.5, w + 0.5, g, g - off, g + off));
@@ -109,10 +109,10 @@ static void test_dispersion(void **state) {
     (void)state;
     sp_table t = sp_table_none();
     const sp_plot_table shown[] = {{"a", &t, false}, {"b", &t, false}, {"c", &t, false}};
-    assert_ok(sp_table_add_column(&t, "polarization", "", SP_CELL_TEXT, &err));
-    assert_ok(sp_table_add_column(&t, "k", "1/d", SP_CELL_NUMBER, &err));
-    assert_ok(sp_table_add_column(&t, "peak", "", SP_CELL_NUMBER, &err));
-    assert_ok(sp_table_add_column(&t, "half_width", "", SP_CELL_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "polarization", "", SP_COLUMN_TEXT, &err));
+    assert_ok(sp_table_add_column(&t, "k", "1/d", SP_COLUMN_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "peak", "", SP_COLUMN_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "half_width", "", SP_COLUMN_NUMBER, &err));
     for (int k = 1; k < 9; k++) {
         assert_ok(sp_table_add_row(&t, &err, "longitudinal", 0.2 * k, sin(0.1 * k), 0.05));
         assert_ok(sp_table_add_row(&t, &err, "rotational", 0.2 * k, 1.2, k == 2 ? NAN : 0.1));

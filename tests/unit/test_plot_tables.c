@@ -59,7 +59,7 @@ static sp_table table_of(const char *names, int rows, const double *cells) {
     int columns = 0;
     snprintf(copy, sizeof copy, "%s", names);
     for (char *name; (name = strsep(&rest, " ")) != NULL; columns++)
-        assert_ok(sp_table_add_column(&t, name, "", SP_CELL_NUMBER, &err));
+        assert_ok(sp_table_add_column(&t, name, "", SP_COLUMN_NUMBER, &err));
     for (int k = 0; k < rows; k++)
         assert_ok(sp_table_add_numbers(&t, cells + k * columns, &err));
     return t;
@@ -115,8 +115,8 @@ static void test_units(void **state) {
     sp_table t[3];
     for (int j = 0; j < 3; j++) {
         t[j] = sp_table_none();
-        assert_ok(sp_table_add_column(&t[j], "distance", unit[j][0], SP_CELL_NUMBER, &err));
-        assert_ok(sp_table_add_column(&t[j], "t10", unit[j][1], SP_CELL_NUMBER, &err));
+        assert_ok(sp_table_add_column(&t[j], "distance", unit[j][0], SP_COLUMN_NUMBER, &err));
+        assert_ok(sp_table_add_column(&t[j], "t10", unit[j][1], SP_COLUMN_NUMBER, &err));
         for (int k = 0; k < 2; k++)
             assert_ok(sp_table_add_numbers(&t[j], cells[k], &err));
     }

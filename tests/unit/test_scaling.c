@@ -321,8 +321,8 @@ TEST(wrong_input) {
 TEST(lack_of_memory) {
     data d = make(3, 4, false);
     sp_scaling s = {0};
-    EACH_ALLOCATION_FAILS(4, (d = make(3, 4, false), sp_scaling_make(input(&d), &s, &err)), assert_true(!lacks || !s.row),
-                          sp_scaling_free(&s));
+    EACH_ALLOCATION_FAILS(4, (d = make(3, 4, false), sp_scaling_make(input(&d), &s, &err)),
+                          assert_true(!lacks || !s.row), sp_scaling_free(&s));
 }
 
 RUN_TESTS(NULL, NULL)

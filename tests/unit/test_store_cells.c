@@ -26,7 +26,7 @@ static void each_cell(round_trip *trip) {
     for (int cell = SP_CELL_PISTON; cell <= SP_CELL_BOX; cell++)
         for (int dim = 1; dim <= 3; dim++)
             for (uint64_t seed = 0; seed < 12; seed++) {
-                sp_packing p = fixture_cell(seed, dim, 50, (sp_boundary)cell), q = sp_packing_none();
+                sp_packing p = fixture_cell(seed, dim, 50, (sp_cell)cell), q = sp_packing_none();
                 assert_ok(trip(&p, &q, &err));
                 assert_same_packing(&p, &q);
                 sp_packing_free(&p);

@@ -46,7 +46,7 @@ typedef struct sp_import_options {
     bool cut;      /* leaves out contacts across a periodic edge on the axis up; otherwise they are an error */
     bool exact;    /* the numbers of the file are exact, however few digits they have */
     bool rest;     /* brings the packing to rest under its pressure between rigid walls */
-    int cell;      /* an sp_boundary; -1: the one that the file says, else that of a piston */
+    int cell;      /* an sp_cell; -1: the one that the file says, else that of a piston */
     double width, depth, bottom, top, height;
     double side[4]; /* places of the walls of a box: left, right, front, back */
     double tilt[3]; /* xy, xz, yz of a periodic cell */

@@ -12,14 +12,14 @@ enum { PLANES = 10 };
 
 sp_status amplitude_burst_columns(bool planes, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
-    cli_columns(&w, SP_CELL_TEXT, "file", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "p", "E*", "amplitude", "", "omega", RATE, NULL);
+    cli_columns(&w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "p", "E*", "amplitude", "", "omega", RATE, NULL);
     if (planes)
-        cli_columns(&w, SP_CELL_NUMBER, "y", "d", "F1", "", "F1_err", "", "F2", "", "F2_err", "", "F3", "", "F3_err",
+        cli_columns(&w, SP_COLUMN_NUMBER, "y", "d", "F1", "", "F1_err", "", "F2", "", "F2_err", "", "F3", "", "F3_err",
                     "", "F0", "", "F0_err", "", "ratio", "", "ratio_err", "", NULL);
     else
-        cli_columns(&w, SP_CELL_NUMBER, "k", "1/d", "k_err", "1/d", "speed", SPEED, "speed_err", SPEED, "slope", "1/d",
-                    "slope_err", "1/d", "beta", "", "beta_err", "", "beta_delta", "", "beta_delta_err", "",
+        cli_columns(&w, SP_COLUMN_NUMBER, "k", "1/d", "k_err", "1/d", "speed", SPEED, "speed_err", SPEED, "slope",
+                    "1/d", "slope_err", "1/d", "beta", "", "beta_err", "", "beta_delta", "", "beta_delta_err", "",
                     "beta_field", "", "balance", "", "step", TIME, NULL);
     return w.status;
 }

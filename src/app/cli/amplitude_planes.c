@@ -36,11 +36,11 @@ static sp_status expect(const sp_packing *p, double overpressure, expected *out,
 
 sp_status amplitude_plane_columns(sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
-    cli_columns(&w, SP_CELL_TEXT, "file", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "p", "E*", "amplitude", "", "y", "d", "t10", TIME, "t10_err", TIME, "t_peak", TIME,
-                "t_peak_err", TIME, "overpressure", "", "overpressure_err", "", "speed", SPEED, "speed_err", SPEED,
-                "speed_peak", SPEED, "speed_peak_err", SPEED, "solitary", SPEED, "kdv", SPEED, "nesterenko", SPEED,
-                NULL);
+    cli_columns(&w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "p", "E*", "amplitude", "", "y", "d", "t10", TIME, "t10_err", TIME, "t_peak",
+                TIME, "t_peak_err", TIME, "overpressure", "", "overpressure_err", "", "speed", SPEED, "speed_err",
+                SPEED, "speed_peak", SPEED, "speed_peak_err", SPEED, "solitary", SPEED, "kdv", SPEED, "nesterenko",
+                SPEED, NULL);
     return w.status;
 }
 

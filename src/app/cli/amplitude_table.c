@@ -53,16 +53,16 @@ const amplitude_quantity amplitude_quantities[AMPLITUDE_QUANTITIES + 1] = {
 /* Columns of the quantities; of means all have errors but those of the method. */
 static void quantity_columns(cli_writer *w) {
     for (const amplitude_quantity *q = amplitude_quantities; q->name; q++) {
-        cli_columns(w, SP_CELL_NUMBER, q->name, q->unit, NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, q->name, q->unit, NULL);
         if (q->error[0])
-            cli_columns(w, SP_CELL_NUMBER, q->error, q->unit, NULL);
+            cli_columns(w, SP_COLUMN_NUMBER, q->error, q->unit, NULL);
     }
 }
 
 sp_status amplitude_add_columns(sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
-    cli_columns(&w, SP_CELL_TEXT, "file", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "p", "E*", "amplitude", "", NULL);
+    cli_columns(&w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "p", "E*", "amplitude", "", NULL);
     quantity_columns(&w);
     return w.status;
 }
@@ -117,9 +117,9 @@ static double mean_error(const amplitude_group *g, int q) {
 
 sp_status amplitude_mean_rows(const amplitude_means *m, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
-    cli_columns(&w, SP_CELL_INTEGER, "dimension", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "friction", "", "p", "E*", "amplitude", "", NULL);
-    cli_columns(&w, SP_CELL_INTEGER, "packings", "", NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "dimension", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "friction", "", "p", "E*", "amplitude", "", NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "packings", "", NULL);
     quantity_columns(&w);
     for (int32_t k = 0; k < m->n && w.status == SP_OK; k++) {
         const amplitude_group *g = &m->group[k];

@@ -5,8 +5,8 @@
 #include "cli/files.h"
 #include "cli/output.h"
 #include "cli/plot_input.h"
-#include "cli/trace.h"
 #include "cli/plot_motion.h"
+#include "cli/trace.h"
 #include "packing/geometry.h"
 
 #include <math.h>

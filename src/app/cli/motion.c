@@ -18,13 +18,13 @@ static const char *component(const sp_network *net, int a) {
 
 static void add_columns(const cli_motion *m, cli_writer *w) {
     const sp_network *net = m->net;
-    cli_columns(w, SP_CELL_INTEGER, "grain", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
     for (int a = 0; a < net->dim; a++)
-        cli_columns(w, SP_CELL_NUMBER, places[a], "d", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "radius", "d", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, places[a], "d", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "radius", "d", NULL);
     for (int a = 0; a < net->dof; a++) {
         const char *unit = a < net->dim ? (m->mode ? "1/sqrt(rho d^3)" : "d") : m->mode ? "1/sqrt(rho d^5)" : "rad";
-        cli_columns(w, SP_CELL_NUMBER, component(net, a), unit, NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, component(net, a), unit, NULL);
     }
 }
 

@@ -98,11 +98,11 @@ static sp_status find_columns(const char *path, const sp_table *t, int column[2]
     if (column[0] < 0 && column[1] < 0 && sp_table_find_column(t, "omega") < 0) {
         int found = 0;
         for (int c = 0; c < t->columns && found < 2; c++)
-            if (t->column[c].kind != SP_CELL_TEXT)
+            if (t->column[c].kind != SP_COLUMN_TEXT)
                 column[found++] = c;
     }
     for (int k = 0; k < 2; k++)
-        if (column[k] < 0 || t->column[column[k]].kind == SP_CELL_TEXT)
+        if (column[k] < 0 || t->column[column[k]].kind == SP_COLUMN_TEXT)
             return sp_fail(err, SP_EFORMAT,
                            "%s: a signal needs columns of numbers t and F, or t, F1, F2, ...: times and forces", path);
     return SP_OK;

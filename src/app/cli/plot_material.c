@@ -1,8 +1,8 @@
 /* Finds the material of the files that a figure shows. */
 #include "base/base.h"
 #include "cli/plot_input.h"
-#include "cli/trace.h"
 #include "cli/plot_units.h"
+#include "cli/trace.h"
 
 sp_status plot_units_choose(void *arguments, bool drawn_from_tables, const char *kind, sp_error *err) {
     cli_common *common = arguments;

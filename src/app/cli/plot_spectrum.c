@@ -3,10 +3,10 @@
 
 #include "base/base.h"
 #include "cli/plot_input.h"
-#include "cli/trace.h"
 #include "cli/plot_tables.h"
 #include "cli/plot_units.h"
 #include "cli/spectrum.h"
+#include "cli/trace.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,8 +2,8 @@
 #define SP_CLI_SENSITIVITY_H
 /* sonopack sensitivity: what is differentiated, and the tables. */
 
-#include "cli/files.h"
 #include "cli/excitation.h"
+#include "cli/files.h"
 
 typedef enum sensitivity_kind {
     SENSITIVITY_FRONT = 0,

@@ -78,11 +78,11 @@ static sp_status add_comments(sp_table *t, sp_error *err) {
 sp_status sp_blackmore_rows_table(const blackmore *p, int item, sp_table *out, sp_error *err) {
     static const struct {
         const char *name;
-        sp_cell_kind kind;
-    } column[] = {{"item", SP_CELL_TEXT},        {"equation", SP_CELL_TEXT}, {"quantity", SP_CELL_TEXT},
-                  {"unit", SP_CELL_TEXT},        {"relation", SP_CELL_TEXT}, {"paper", SP_CELL_NUMBER},
-                  {"precision", SP_CELL_NUMBER}, {"ours", SP_CELL_NUMBER},   {"err", SP_CELL_NUMBER},
-                  {"verdict", SP_CELL_TEXT},     {"note", SP_CELL_TEXT}};
+        sp_column_kind kind;
+    } column[] = {{"item", SP_COLUMN_TEXT},        {"equation", SP_COLUMN_TEXT}, {"quantity", SP_COLUMN_TEXT},
+                  {"unit", SP_COLUMN_TEXT},        {"relation", SP_COLUMN_TEXT}, {"paper", SP_COLUMN_NUMBER},
+                  {"precision", SP_COLUMN_NUMBER}, {"ours", SP_COLUMN_NUMBER},   {"err", SP_COLUMN_NUMBER},
+                  {"verdict", SP_COLUMN_TEXT},     {"note", SP_COLUMN_TEXT}};
     static const char *const relation[] = {"=", ">", "<"};
     sp_table t = sp_table_none();
     sp_status status = add_comments(&t, err);

@@ -43,10 +43,10 @@ static sp_status save(blackmore *p, const symbols *s, sp_error *err) {
                                             "linearised about y = z, alpha = 1/h; ten particles of Fig. 1; "
                                             "speed2 in K h^2/m; the lattice's waves end at k = pi/h");
     if (status == SP_OK)
-        status = sp_table_add_column(&t, "k", "1/cm", SP_CELL_NUMBER, err);
+        status = sp_table_add_column(&t, "k", "1/cm", SP_COLUMN_NUMBER, err);
     for (int j = 0; j < 2 * CURVES && status == SP_OK; j++) {
         snprintf(name, sizeof name, "%s_%s", j % 2 ? "speed2" : "growth", names[j / 2]);
-        status = sp_table_add_column(&t, name, j % 2 ? "" : "1/s", SP_CELL_NUMBER, err);
+        status = sp_table_add_column(&t, name, j % 2 ? "" : "1/s", SP_COLUMN_NUMBER, err);
     }
     for (int i = 0; i < WAVES && status == SP_OK; i++) {
         double row[1 + 2 * CURVES] = {s->k[i]};

@@ -29,7 +29,7 @@ static sp_status make_signals(const sp_sample *s, const sp_packing *packing, con
         options.amplitude = 1e-4;
         status = sp_paper_damped_signal(net, zeta[k], until, POINTS, &d->linear[k], err);
         if (status == SP_OK)
-            status = sp_signal_dynamics(packing, net, &options, &d->full[k], err);
+            status = sp_signal_compute(packing, net, &options, &d->full[k], err);
         if (status == SP_OK)
             status = sp_paper_tell(d->p, "fig11", 0.95, err);
     }

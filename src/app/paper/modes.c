@@ -184,7 +184,7 @@ static sp_status save_displacements(paper *p, const sp_packing *packing, const s
     sp_table t = sp_table_none();
     sp_status status = sp_table_add_comment(&t, err, "eigenmodes M^(-1/2) e, e of length 1");
     for (int k = 0; k < 8 && status == SP_OK; k++)
-        status = sp_table_add_column(&t, column[k], "", SP_CELL_NUMBER, err);
+        status = sp_table_add_column(&t, column[k], "", SP_COLUMN_NUMBER, err);
     for (int k = 0; k < PICKED; k++) {
         const double *e = m->vectors + (picked[k] - m->n_rattler) * m->dofs;
         for (int32_t i = 0; i < net->n && status == SP_OK; i++) {

@@ -27,7 +27,7 @@ static sp_status save_links(paper *p, const char *name, const sp_packing *packin
                                             "contacts that carry: grains from 0, -1 and -2 the bottom and the "
                                             "top wall; normal force and stiffness");
     for (int k = 0; k < 8 && status == SP_OK; k++)
-        status = sp_table_add_column(&t, column[k], "", SP_CELL_NUMBER, err);
+        status = sp_table_add_column(&t, column[k], "", SP_COLUMN_NUMBER, err);
     for (int32_t k = 0; k < net->n_springs && status == SP_OK; k++) {
         const sp_spring *s = &net->springs[k];
         const sp_contact *c = &packing->contacts[s->contact];

@@ -131,10 +131,10 @@ static sp_status describe_panel(sp_table *t, const char *tag, const sp_panel *pa
 static sp_status sheet_table(const sp_sheet *sheet, sp_table *t, sp_error *err) {
     static const struct {
         const char *name;
-        sp_cell_kind kind;
-    } column[] = {{"panel", SP_CELL_TEXT},   {"curve", SP_CELL_INTEGER}, {"label", SP_CELL_TEXT},
-                  {"x", SP_CELL_NUMBER},     {"y", SP_CELL_NUMBER},      {"error", SP_CELL_NUMBER},
-                  {"lower", SP_CELL_NUMBER}, {"upper", SP_CELL_NUMBER}};
+        sp_column_kind kind;
+    } column[] = {{"panel", SP_COLUMN_TEXT},   {"curve", SP_COLUMN_INTEGER}, {"label", SP_COLUMN_TEXT},
+                  {"x", SP_COLUMN_NUMBER},     {"y", SP_COLUMN_NUMBER},      {"error", SP_COLUMN_NUMBER},
+                  {"lower", SP_COLUMN_NUMBER}, {"upper", SP_COLUMN_NUMBER}};
     sp_status status = SP_OK;
     for (size_t k = 0; k < sizeof column / sizeof *column && status == SP_OK; k++)
         status = sp_table_add_column(t, column[k].name, "", column[k].kind, err);

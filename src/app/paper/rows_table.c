@@ -30,14 +30,14 @@ static const char *where_of(const paper_row *row, char text[24]) {
 static sp_status add_columns(sp_table *t, sp_error *err) {
     static const struct {
         const char *name, *unit;
-        sp_cell_kind kind;
+        sp_column_kind kind;
     } column[] = {
-        {"item", "", SP_CELL_TEXT},      {"p", "E*", SP_CELL_NUMBER},           {"quantity", "", SP_CELL_TEXT},
-        {"paper", "", SP_CELL_NUMBER},   {"paper_sd", "", SP_CELL_NUMBER},      {"ours", "", SP_CELL_NUMBER},
-        {"err", "", SP_CELL_NUMBER},     {"sigma", "", SP_CELL_NUMBER},         {"verdict", "", SP_CELL_TEXT},
-        {"ours_sd", "", SP_CELL_NUMBER}, {"samples", "", SP_CELL_INTEGER},      {"combined", "", SP_CELL_NUMBER},
-        {"scatter", "", SP_CELL_TEXT},   {"deviation_err", "", SP_CELL_NUMBER}, {"rounding", "", SP_CELL_NUMBER},
-        {"relation", "", SP_CELL_TEXT},  {"where", "", SP_CELL_TEXT},           {"note", "", SP_CELL_TEXT}};
+        {"item", "", SP_COLUMN_TEXT},      {"p", "E*", SP_COLUMN_NUMBER},           {"quantity", "", SP_COLUMN_TEXT},
+        {"paper", "", SP_COLUMN_NUMBER},   {"paper_sd", "", SP_COLUMN_NUMBER},      {"ours", "", SP_COLUMN_NUMBER},
+        {"err", "", SP_COLUMN_NUMBER},     {"sigma", "", SP_COLUMN_NUMBER},         {"verdict", "", SP_COLUMN_TEXT},
+        {"ours_sd", "", SP_COLUMN_NUMBER}, {"samples", "", SP_COLUMN_INTEGER},      {"combined", "", SP_COLUMN_NUMBER},
+        {"scatter", "", SP_COLUMN_TEXT},   {"deviation_err", "", SP_COLUMN_NUMBER}, {"rounding", "", SP_COLUMN_NUMBER},
+        {"relation", "", SP_COLUMN_TEXT},  {"where", "", SP_COLUMN_TEXT},           {"note", "", SP_COLUMN_TEXT}};
     sp_status status = SP_OK;
     for (size_t k = 0; k < sizeof column / sizeof *column && status == SP_OK; k++)
         status = sp_table_add_column(t, column[k].name, column[k].unit, column[k].kind, err);

@@ -15,7 +15,7 @@ static sp_status save_field(paper *p, const sp_packing *packing, const sp_networ
     sp_table t = sp_table_none();
     sp_status status = sp_table_set_number(&t, "t", snapshot_time, 6, err);
     for (int k = 0; k < 7 && status == SP_OK; k++)
-        status = sp_table_add_column(&t, column[k], "", SP_CELL_NUMBER, err);
+        status = sp_table_add_column(&t, column[k], "", SP_COLUMN_NUMBER, err);
     for (int32_t i = 0; i < net->n && status == SP_OK; i++) {
         const double *x = packing->x + 3 * (size_t)net->grain[i], *at = u + (size_t)i * (size_t)net->dof;
         const double row[7] = {net->grain[i],           x[0], x[1], packing->r[net->grain[i]], at[0], at[1],

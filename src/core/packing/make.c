@@ -43,8 +43,6 @@ sp_status sp_packing_make(const sp_pack_spec *spec, sp_pack_watch watch, void *u
 static sp_status complete(const sp_pack_spec *given, const sp_pack_hooks *hooks, sp_pack_spec *out, sp_error *err) {
     sp_pack_spec spec = *given;
     sp_status status = SP_OK;
-    if (spec.kind == SP_PACK_FILE && !hooks->from)
-        return sp_fail_key(err, SP_EINVAL, "packing.kind", " = \"file\": needs the packing to begin with");
     if (spec.kind == SP_PACK_FILE)
         status = sp_pack_spec_from(&spec, hooks->from, err);
     if (status == SP_OK)

@@ -86,7 +86,7 @@ static bool means_piston(const sp_import_options *o) {
     return o->open || o->cut || isfinite(o->bottom) || isfinite(o->top) || isfinite(o->height);
 }
 
-static sp_boundary choose(sp_work *w) {
+static sp_cell choose(sp_work *w) {
     const sp_import_options *o = w->o;
     int periodic = 0, open = 0, walled = 0;
     for (int k = 0; k < 4; k++)
@@ -105,7 +105,7 @@ static sp_boundary choose(sp_work *w) {
 }
 
 sp_status sp_cell_choose(sp_work *w, sp_error *err) {
-    w->cell = w->o->cell >= 0 ? (sp_boundary)w->o->cell : choose(w);
+    w->cell = w->o->cell >= 0 ? (sp_cell)w->o->cell : choose(w);
     if (w->cell != SP_CELL_PERIODIC && is_tilted(w))
         return sp_fail(err, SP_EFORMAT, "%s: a tilted box (xy xz yz); must have right angles in a cell with walls",
                        w->path);

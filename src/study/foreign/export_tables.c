@@ -16,7 +16,7 @@ typedef struct adder {
     sp_error *err;
 } adder;
 
-static void add_column(adder *a, const char *name, const char *unit, sp_cell_kind kind) {
+static void add_column(adder *a, const char *name, const char *unit, sp_column_kind kind) {
     if (a->status == SP_OK)
         a->status = sp_table_add_column(a->table, name, unit, kind, a->err);
 }
@@ -26,7 +26,7 @@ static void add_axes(adder *a, const char *stem, int axes, const char *unit) {
     char name[16];
     for (int k = 0; k < axes; k++) {
         snprintf(name, sizeof name, "%s%s", stem, axis[k]);
-        add_column(a, name, unit, SP_CELL_NUMBER);
+        add_column(a, name, unit, SP_COLUMN_NUMBER);
     }
 }
 
@@ -46,13 +46,13 @@ sp_status sp_export_grains_table(const sp_export_data *e, sp_table *t, sp_error 
     const sp_derived *d = e->derived;
     const sp_grain_vectors *v = e->vectors;
     adder a = {.table = t, .err = err};
-    add_column(&a, "id", "", SP_CELL_INTEGER);
+    add_column(&a, "id", "", SP_COLUMN_INTEGER);
     add_axes(&a, "", p->dim, u->length_name);
-    add_column(&a, "radius", u->length_name, SP_CELL_NUMBER);
-    add_column(&a, "mass", u->mass_name, SP_CELL_NUMBER);
-    add_column(&a, "contacts", "", SP_CELL_INTEGER);
-    add_column(&a, "rattler", "", SP_CELL_INTEGER);
-    add_column(&a, "pressure", u->stress_name, SP_CELL_NUMBER);
+    add_column(&a, "radius", u->length_name, SP_COLUMN_NUMBER);
+    add_column(&a, "mass", u->mass_name, SP_COLUMN_NUMBER);
+    add_column(&a, "contacts", "", SP_COLUMN_INTEGER);
+    add_column(&a, "rattler", "", SP_COLUMN_INTEGER);
+    add_column(&a, "pressure", u->stress_name, SP_COLUMN_NUMBER);
     add_axes(&a, "u", v ? p->dim : 0, "");
     add_axes(&a, "r", v && v->rotation ? 3 : 0, "");
     for (size_t i = 0; i < (size_t)p->n && a.status == SP_OK; i++) {
@@ -77,15 +77,15 @@ sp_status sp_export_contacts_table(const sp_export_data *e, sp_table *t, sp_erro
     const sp_packing *p = e->packing;
     const sp_export_units *u = e->units;
     adder a = {.table = t, .err = err};
-    add_column(&a, "i", "", SP_CELL_INTEGER);
-    add_column(&a, "j", "", SP_CELL_INTEGER);
+    add_column(&a, "i", "", SP_COLUMN_INTEGER);
+    add_column(&a, "j", "", SP_COLUMN_INTEGER);
     add_axes(&a, "n", p->dim, "");
-    add_column(&a, "overlap", u->length_name, SP_CELL_NUMBER);
-    add_column(&a, "Fn", u->force_name, SP_CELL_NUMBER);
+    add_column(&a, "overlap", u->length_name, SP_COLUMN_NUMBER);
+    add_column(&a, "Fn", u->force_name, SP_COLUMN_NUMBER);
     add_axes(&a, "Ft", p->dim, u->force_name);
-    add_column(&a, "kn", u->stiffness_name, SP_CELL_NUMBER);
-    add_column(&a, "kt", u->stiffness_name, SP_CELL_NUMBER);
-    add_column(&a, "carrying", "", SP_CELL_INTEGER);
+    add_column(&a, "kn", u->stiffness_name, SP_COLUMN_NUMBER);
+    add_column(&a, "kt", u->stiffness_name, SP_COLUMN_NUMBER);
+    add_column(&a, "carrying", "", SP_COLUMN_INTEGER);
     for (int32_t c = 0; c < p->n_contacts && a.status == SP_OK; c++) {
         const sp_contact *k = &p->contacts[c];
         double row[20], *at = row;

@@ -65,7 +65,7 @@ static sp_status fail_key(const char *name, const char *value, const char *rule,
 static sp_status set_word(sp_import_options *o, const char *name, const char *value, sp_error *err) {
     int64_t whole;
     sp_wall wall;
-    sp_boundary cell;
+    sp_cell cell;
     if (strcmp(name, "cell") == 0) {
         if (!sp_cell_read(value, &cell))
             return fail_key(name, value, "piston, periodic or box", err);

@@ -49,7 +49,7 @@ typedef struct sp_work {
     int32_t found;
     int64_t room;
     sp_raw_contact *contact; /* [found] */
-    sp_boundary cell;
+    sp_cell cell;
     double low[3], edge[3]; /* origin and lengths of the box; the last axis is up */
     double tilt[3];
     bool periodic[3];
