@@ -433,7 +433,7 @@ TEST(test_ends) {
         c.taps = 1;
         c.period = 0.1;
         c.amplitude = 30; /* the grid has to grow */
-        EACH_ALLOCATION_FAILS(3, sp_tapped_run(&c, 3, t, ignore, NULL, NULL, &err), );
+        EACH_ALLOCATION_FAILS(2, sp_tapped_run(&c, 3, t, ignore, NULL, NULL, &err), );
         assert_fails(sp_tapped_run(&c, 3, t, stop, NULL, NULL, &err), SP_EINTERRUPTED, "enough");
     }
 }
