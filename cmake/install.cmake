@@ -1,7 +1,7 @@
 # `cmake --install`: command, libraries, headers, man page, documentation, completions, CMake and pkg-config files.
 include(CMakePackageConfigHelpers)
 
-set(components sonopack sonopack_tapped sonopack_study sonopack_figure)
+set(components sonopack sonopack_tapped sonopack_study)
 install(TARGETS ${components} EXPORT sonopackTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
@@ -70,4 +70,3 @@ install_pkgconfig(sonopack sonopack "${PROJECT_DESCRIPTION}" "" "lapacke lapack 
 install_pkgconfig(sonopack-tapped sonopack_tapped "The tapped column of particles" "sonopack = ${PROJECT_VERSION}" "" "-lm")
 install_pkgconfig(sonopack-study sonopack_study "Scenes, studies and files of granular packings"
   "sonopack-tapped = ${PROJECT_VERSION}" "libconfig ${HDF5_MODULE_NAME}" "-pthread -lm")
-install_pkgconfig(sonopack-figure sonopack_figure "Figures of granular packings" "sonopack = ${PROJECT_VERSION}" "cairo" "-lm")

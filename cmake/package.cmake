@@ -15,6 +15,6 @@ makes at the other, speeds of sound, elastic moduli, eigenmodes and spectra,
 each with its error. With C libraries.")
 # what a program that is linked with the libraries needs
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
-  "libsuitesparse-dev, libarpack2-dev, liblapacke-dev, libopenblas-dev, libhdf5-dev, libconfig-dev, libcairo2-dev")
+  "libsuitesparse-dev, libarpack2-dev, liblapacke-dev, libopenblas-dev, libhdf5-dev, libconfig-dev")
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 include(CPack)

@@ -1,10 +1,7 @@
 /* How the frequencies of vibration grow with the pressure: the density of states in a loop over pressures.
  *
- *   spectrum_of_pressure [FIGURE.svg]
- *
  * Hertzian contacts grow stiffer under load, k ~ p^(1/3), so that frequencies grow about as p^(1/6). One packing is
- * compressed further and further. Where a file is named the densities are drawn. Omega is in sqrt(E* / rho)/d. */
-#include <sonopack/figure/figure.h>
+ * compressed further and further. Omega is in sqrt(E* / rho)/d. */
 #include <sonopack/sonopack.h>
 
 #include <math.h>
@@ -12,7 +9,6 @@
 
 enum { PRESSURES = 3, BINS = 40 };
 static const double pressures[PRESSURES] = {1e-6, 1e-5, 1e-4}; /* [E*] */
-static const char *const labels[PRESSURES] = {"|p| = 10^{-6} |E|*", "10^{-5} |E|*", "10^{-4} |E|*"};
 
 /* The packing at a pressure, from the one before; the first from a gas. */
 static sp_status compress(const sp_packing *before, double pressure, sp_packing *out, sp_error *err) {
@@ -53,20 +49,7 @@ static double median(const sp_dos *d) {
     return d->edge[k] + (d->edge[k + 1] - d->edge[k]) * (0.5 - before) / (d->cumulative[k] - before);
 }
 
-static sp_status draw(const sp_dos dos[PRESSURES], const char *path, sp_error *err) {
-    sp_curve curve[PRESSURES];
-    for (int k = 0; k < PRESSURES; k++) {
-        curve[k] = (sp_curve){.label = labels[k], .n = dos[k].bins, .x = dos[k].edge, .y = dos[k].density};
-        curve[k].ink = k + 1;
-        curve[k].steps = true;
-    }
-    const sp_axis x = {.label = "|\xcf\x89| [(|E|*/|\xcf\x81|)^{1/2}/|d|]"}, y = {.label = "|g|(|\xcf\x89|)"};
-    const sp_panel panel = {.x = x, .y = y, .curves = PRESSURES, .curve = curve};
-    const sp_sheet sheet = {.title = "Densities of states", .rows = 1, .columns = 1, .panel = &panel};
-    return sp_plot_sheet(&sheet, path, err);
-}
-
-int main(int argc, char **argv) {
+int main(void) {
     sp_error err = {0};
     sp_status status = SP_OK;
     sp_dos dos[PRESSURES] = {sp_dos_none(), sp_dos_none(), sp_dos_none()};
@@ -80,8 +63,6 @@ int main(int argc, char **argv) {
         sp_packing_free(&packing);
         packing = next;
     }
-    if (status == SP_OK && argc > 1)
-        status = draw(dos, argv[1], &err);
     for (int k = 0; k < PRESSURES; k++)
         sp_dos_free(&dos[k]);
     sp_packing_free(&packing);

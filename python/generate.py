@@ -23,12 +23,14 @@ extern "Python" {
     bool sonopack_pack_watch(const sp_pack_progress *progress, void *user);
     sp_status sonopack_pack_stage(const sp_packing *packing, int32_t index, void *user, sp_error *err);
     bool sonopack_study_watch(const sp_study_progress *progress, void *user);
+    bool sonopack_forecast_packed(void *user, const char *name);
     bool sonopack_tapped_watch(double share, void *user);
     bool sonopack_tapped_stopped(void *user);
     sp_status sonopack_tapped_row(double t, const double *y, const double *v, void *user, sp_error *err);
 }
 void sonopack_blas_begin(void);
 void sonopack_blas_end(void);
+char *strdup(const char *text);
 """
 # Structs of this kind are inputs of the library and no results.
 INPUTS = re.compile(r"_(options|spec|range|place|hooks|pulse|probe|watcher|made|counts|entry|column|sweep|entry|error|chain|value|errors|store_check|finding)$")

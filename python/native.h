@@ -1,6 +1,7 @@
 /* What the Python extension needs beside the library. Included once, by the source that cffi writes. */
 #include <pthread.h>
 #include <stdbool.h>
+#include <string.h>
 
 extern void openblas_set_num_threads(int threads) __attribute__((weak));
 extern int openblas_get_num_threads(void) __attribute__((weak));

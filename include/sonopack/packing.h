@@ -269,6 +269,18 @@ SP_API sp_pack_spec sp_pack_spec_default(void);
 /* Checks the values and their combination, for example a box narrower than 4 grains or too dense a gas. SP_EINVAL names
  * the field. */
 SP_API sp_status sp_pack_spec_check(const sp_pack_spec *spec, sp_error *err);
+/* Returns the spec with all open values filled in: limits of the diameters (for a list: its extremes), depth,
+ * tolerance, and the values set by the protocol. Resolving a spec twice changes nothing. */
+SP_API sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given);
+/* Moment <d^k>, k >= 0, of the distribution of diameters (of a list: of its entries). This and the next two expect a
+ * spec that is checked and resolved. */
+SP_API double sp_sizes_moment(const sp_pack_spec *spec, int k);
+/* Radii r [grains] of all grains. */
+SP_API void sp_radii_draw(const sp_pack_spec *spec, double *r);
+/* The gas that a compression begins with: places grains at random without overlap at the gas fraction of the spec,
+ * between walls at 0 and *height (2D and 3D). x is [grains][3]; unused axes are not written. SP_EFAILED if a grain
+ * finds no free place. */
+SP_API sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, double *height, sp_error *err);
 /* Estimates the number of grains that fill a box of the given height [d], to 1 or 2 percent for the default sizes:
  * height x width (x depth) over the mean grain area (volume), times the typical area fraction 0.815 (volume fraction
  * 0.6) under the piston. SP_EINVAL for other kinds, whose height follows from the grains, and for more than 1e8

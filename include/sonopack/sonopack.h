@@ -1,7 +1,7 @@
 #ifndef SONOPACK_SONOPACK_H
 #define SONOPACK_SONOPACK_H
 /* sonopack: sound in compressed granular packings. All headers of libsonopack. Those of the libraries that stand on it
- * are in folders of their names: study/ (scenes, studies, files), figure/, tapped/ (the tapped column of particles). */
+ * are in folders of their names: study/ (scenes, studies, files), tapped/ (the tapped column of particles). */
 #include <sonopack/amplitude.h>
 #include <sonopack/chain.h>
 #include <sonopack/coda.h>

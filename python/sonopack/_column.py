@@ -11,7 +11,7 @@ import numpy.typing as npt
 from . import _core, _scene
 from ._core import Floats, Path, c_path, call, documented
 from ._native import ffi, lib
-from ._records import TappedTap
+from ._records import TappedExponent, TappedSymbol, TappedTap
 from ._table import Table
 from ._watch import Watch
 
@@ -42,6 +42,7 @@ class ColumnRun:
     events: int
     steps: int
     error: float
+    time_step: float
 
 
 class Column(_core.Owner):
@@ -94,6 +95,25 @@ class Column(_core.Owner):
         """A struct that shares the lists of this column."""
         return ffi.new("sp_tapped_spec *", self._c.tapped)
 
+    def mass(self, particle: int = 1) -> float:
+        """Mass of a particle, 1 the lowest [g]."""
+        return float(lib.sp_tapped_mass(self._spec(), particle))
+
+    def radius(self, particle: int = 1) -> float:
+        """Radius of a particle, 1 the lowest [cm]."""
+        return float(lib.sp_tapped_radius(self._spec(), particle))
+
+    @documented("sp_tapped_floor")
+    def floor(self, t: float) -> tuple[float, float]:
+        """Position [cm] and velocity [cm/s] of the floor at t >= 0."""
+        return float(lib.sp_tapped_floor(self._spec(), t)), float(lib.sp_tapped_floor_velocity(self._spec(), t))
+
+    @documented("sp_tapped_density")
+    def density(self, y: npt.ArrayLike) -> float:
+        """Mass over length of a column whose floor and particles are at y [particles + 1] [g/cm]."""
+        heights = _core.floats(y, "y", (self.particles + 1,))
+        return float(lib.sp_tapped_density(self._spec(), _core.pointer_to(heights)))
+
     def rest(self) -> Floats:
         """Heights of the particles at rest [particles]."""
         out = np.empty(self.particles)
@@ -135,7 +155,64 @@ class Column(_core.Owner):
         watch.run(lib.sp_tapped_run, spec, len(t), _core.pointer_to(t), lib.sonopack_tapped_row, watch.handle, report)
         taps = [_core.record(TappedTap, report.tap[k]) for k in range(report.taps)]
         return ColumnRun(t, y, v, taps, float(report.initial_energy), float(report.violated_at), int(report.violated),
-                         int(report.events), int(report.steps), float(report.error))
+                         int(report.events), int(report.steps), float(report.error), float(report.time_step))
+
+    # ---- linear waves -----------------------------------------------------------------------------------------------
+
+    @documented("sp_tapped_symbol_at")
+    def symbol(self, model: str, k: float, *, alpha: float, slope: float = 1.0) -> TappedSymbol:
+        """Growth and squared speed of linear waves of the model eq35, eq37 or longwave, at the wave number k [1/cm]."""
+        out = ffi.new("sp_tapped_symbol *")
+        number = _core.number_of("sp_tapped_model", model, "model")
+        call(lib.sp_tapped_symbol_at, self._spec(), number, alpha, slope, k, out)
+        return _core.record(TappedSymbol, out)
+
+    @documented("sp_tapped_expansion_speed2")
+    def expansion_speed2(self, alpha: float, slope: float = 1.0) -> float:
+        """Squared speed of long waves of the corrected expansion [cm^2/s^2]."""
+        return float(lib.sp_tapped_expansion_speed2(self._spec(), alpha, slope))
+
+    @documented("sp_tapped_bsr_force")
+    def bsr_force(self, form: str) -> float:
+        """The largest force of (45), "literal" or "signed" [m g]."""
+        return float(lib.sp_tapped_bsr_force(self._spec(), _core.number_of("sp_tapped_bsr", form, "form")))
+
+    # ---- dynamics ---------------------------------------------------------------------------------------------------
+
+    @documented("sp_tapped_lyapunov")
+    def lyapunov(self) -> TappedExponent:
+        """The largest Lyapunov exponent per tap."""
+        out = ffi.new("sp_tapped_exponent *")
+        call(lib.sp_tapped_lyapunov, self._spec(), out)
+        return _core.record(TappedExponent, out)
+
+    @documented("sp_tapped_state_make")
+    def start(self) -> Floats:
+        """The state at the start of the first tap [2][particles]: overlaps [cm] and opening velocities [cm/s]."""
+        state = _core.new("sp_tapped_state", lib.sp_tapped_state_free)
+        call(lib.sp_tapped_state_make, self._spec(), state)
+        rows = [_core.view(state, row, (self.particles,)) for row in (state.overlap, state.opening)]
+        return np.array(rows)
+
+    @documented("sp_tapped_map")
+    def map(self, state: npt.ArrayLike, taps: int = 1) -> tuple[Floats, Floats]:
+        """The state [2][particles] after some taps, and its derivative [2 particles][2 particles]."""
+        after = _core.floats(state, "state", (2, self.particles)).copy()
+        derivative = np.empty((2 * self.particles, 2 * self.particles))
+        call(lib.sp_tapped_map, self._spec(), self._state(after), taps, _core.pointer_to(derivative))
+        return after, derivative
+
+    @documented("sp_tapped_positions")
+    def positions(self, state: npt.ArrayLike) -> tuple[Floats, Floats]:
+        """Positions [cm] and velocities [cm/s] of a state [2][particles] at the start of a tap."""
+        rows = _core.floats(state, "state", (2, self.particles))
+        y, v = np.empty(self.particles), np.empty(self.particles)
+        lib.sp_tapped_positions(self._spec(), self._state(rows), _core.pointer_to(y), _core.pointer_to(v))
+        return y, v
+
+    @staticmethod
+    def _state(rows: Floats) -> Any:
+        return ffi.new("sp_tapped_state *", {"overlap": _core.pointer_to(rows[0]), "opening": _core.pointer_to(rows[1])})
 
     def __repr__(self) -> str:
         return f"<Column: {self.particles} particles, {self.taps} taps of {self.period:g} s>"

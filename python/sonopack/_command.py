@@ -19,15 +19,17 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NoReturn
 
 from . import __version__
-from ._core import SonopackError, Status, invalid
+from ._core import SonopackError, Status, c_path, invalid
+from ._native import lib
 from ._records import Material
 from ._scene import Scene, SceneText, scene_help
 from ._table import Table, material_of, quantity
 
 DONE, FAILED, USAGE = 0, 1, 2
 
-#: the package of each command
-PACKAGES = {"plot": "plot", "view": "view", "convert": "formats", "reproduce": "papers"}
+#: the module of each command
+MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command",
+           "pack-lammps": "formats.engine"}
 
 #: which Debian package brings a module
 DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",
@@ -86,6 +88,10 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise usage(message.removeprefix("argument "))
+
+    def set_type(self, name: str, read: Callable[[str], Any]) -> None:
+        """Gives a common option another type."""
+        self._option_string_actions[name].type = read
 
     def scene(self, arguments: argparse.Namespace) -> Scene:
         """The scene of --set, in which keys may stand without the name of their group."""
@@ -202,7 +208,7 @@ def start(name: str) -> NoReturn:
     """Runs the command NAME with the arguments of the process, and ends the process with its status."""
     status = FAILED
     try:
-        module = importlib.import_module(f"sonopack.{PACKAGES[name]}.command")
+        module = importlib.import_module(f"sonopack.{MODULES[name]}")
         parser = module.parser()
         status = module.run(parser.parse_intermixed_args(sys.argv[1:])) or DONE
         sys.stdout.flush()
@@ -238,27 +244,31 @@ def _tame(text: str) -> str:
 
 # ---- files ----------------------------------------------------------------------------------------------------------
 
-_HEADS = {".h5": b"\211HDF\r\n\032\n", ".hdf5": b"\211HDF\r\n\032\n", ".png": b"\211PNG\r\n\032\n", ".pdf": b"%PDF-",
-          ".mat": b"MATLAB 5"}
-_MARKUP = (".svg", ".html", ".htm", ".vtp", ".pvd", ".vtm")
+_MAGIC = {b"\211HDF\r\n\032\n": "hdf5", b"\211PNG\r\n\032\n": "png", b"%PDF-": "pdf", b"MATLAB 5": "mat", b"\x1f\x8b": "gz"}
+_KINDS = {".h5": "hdf5", ".hdf5": "hdf5", ".png": "png", ".pdf": "pdf", ".mat": "mat", ".gz": "gz", ".json": "json",
+          ".txt": "packing", **dict.fromkeys((".svg", ".html", ".htm", ".vtp", ".pvd", ".vtm"), "markup")}
 
 
-def _is_kind(head: bytes, ending: str) -> bool:
-    if ending in _HEADS:
-        return head.startswith(_HEADS[ending])
-    if any(head.startswith(magic) for magic in _HEADS.values()):
-        return False
-    text = head.lstrip()[:1]
-    return text == b"<" if ending in _MARKUP else text in b"{[" if ending == ".json" else text != b"<"
+def _kind_of(head: bytes) -> str:
+    """The kind of a file that begins like this."""
+    for magic, kind in _MAGIC.items():
+        if head.startswith(magic):
+            return kind
+    if b"\0" in head:
+        return "unknown"
+    if re.match(rb"(\s*#[^\n]*\n)*\s*(# packing|N +\d+ +Lx )", head):
+        return "packing"
+    first = head.lstrip()[:1]
+    return "markup" if first == b"<" else "json" if first in (b"{", b"[") else "text"
 
 
-def may_write(arguments: argparse.Namespace, path: str, kinds: Sequence[str]) -> None:
-    """Refuses a file whose ending is none of `kinds`, which exists without --force, or is of another kind than its ending
-    says. Call before the work."""
-    ending = os.path.splitext(path)[1].lower()
+def may_write(arguments: argparse.Namespace, path: str, kinds: Sequence[str] | None, ending: str | None = None) -> None:
+    """Refuses a file whose ending is none of `kinds` (None: of any), which exists without --force, or is of another kind than
+    its ending says. ending: what counts as the ending instead. Call before the work."""
+    ending = ending or os.path.splitext(path)[1].lower()
     if not path:
         raise usage("-o: the file name is empty")
-    if ending not in kinds:
+    if kinds is not None and ending not in kinds:
         raise usage(f"-o {path}: the ending must be {' or '.join(filter(None, (', '.join(kinds[:-1]), kinds[-1])))}")
     place = pathlib.Path(path)
     if place.is_dir():
@@ -266,8 +276,10 @@ def may_write(arguments: argparse.Namespace, path: str, kinds: Sequence[str]) ->
     if place.is_file():
         with open(place, "rb") as file:
             head = file.read(4096)
-        if head and not _is_kind(head, ending):
+        if head and _kind_of(head) != _KINDS.get(ending, "text"):
             raise usage(f"{path}: is a file of another kind than its ending says, and is not replaced: choose another name")
+        if head and ending in (".h5", ".hdf5") and lib.sp_modes_file_looks(c_path(path)):
+            raise usage(f"{path}: is a file of modes, and is not replaced: choose another name")
         if not arguments.force:
             raise usage(f"{path}: exists already: choose another name, or use --force")
     if not os.access(place.parent, os.W_OK | os.X_OK):

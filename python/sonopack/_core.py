@@ -3,11 +3,13 @@ from __future__ import annotations
 
 import contextlib
 import enum
+import importlib
 import inspect
 import math
 import os
 import re
 import textwrap
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, Generic, TypeVar, overload
 
@@ -304,6 +306,27 @@ class Owner:
         """Makes the struct from what its sp_..._make takes before it."""
         self._c = new(self._type, getattr(lib, f"{self._type}_free"), getattr(lib, f"{self._type}_none"))
         call(getattr(lib, f"{self._type}_make"), *given, self._c)
+
+
+class Drawn:
+    """An object with figures: plot() makes one, and a notebook shows the usual one."""
+
+    _figure = ""
+
+    def plot(self, kind: str | None = None, *more: Any, **words: Any) -> Any:
+        """Draws a figure of a kind of sonopack.plot, by default the usual one, and returns its Axes. more, words: the other
+        arguments of that function, such as material, in whose SI units it is drawn, and ax."""
+        return getattr(importlib.import_module("sonopack.plot"), kind or self._figure)(self, *more, **words)
+
+    def _repr_png_(self) -> bytes | None:
+        try:
+            frame = importlib.import_module("sonopack.plot._frame")
+        except ModuleNotFoundError:  # without matplotlib there is the text
+            return None
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            found: bytes = frame.picture(self.plot())
+        return found
 
 
 class Result(Owner):

@@ -27,7 +27,7 @@ BACK = int(lib.SP_BACK)
 CONTACT = _core.dtype_of("sp_contact")
 
 
-class Packing(_core.Result):
+class Packing(_core.Drawn, _core.Result):
     """Grains at rest under pressure, and their contacts.
 
     Lengths are in mean grain diameters d, pressures in E*, forces in E* d^2, times in d / sqrt(E* / rho). The arrays are
@@ -35,6 +35,7 @@ class Packing(_core.Result):
     """
 
     _type = "sp_packing"
+    _figure = "network"
     dim = Value[int]()
     n = Value[int]()
     x = Array("n", 3)
@@ -52,6 +53,9 @@ class Packing(_core.Result):
     residual = Value[float]()
     seconds = Value[float]()
     scene = Value[str]()
+
+    #: of a packing that another program wrote: what was read (sonopack.formats.Report)
+    report: Any = None
 
     def __init__(self, struct: Any) -> None:
         self._c = struct
@@ -92,8 +96,15 @@ class Packing(_core.Result):
 
     @classmethod
     @documented("sp_packing_read")
-    def read(cls, path: Path) -> Packing:
-        """Reads a packing from HDF5 or from text, and checks it."""
+    def read(cls, path: Path, **words: Any) -> Packing:
+        """Reads a packing from HDF5, text, or a file of another program, by its content, and checks it.
+
+        words are for files of other programs: Packing.read("atoms.dump", contacts="contacts.dump", friction=0.5), see
+        sonopack.formats.read.
+        """
+        from . import formats
+        if words or formats.is_foreign(os.fsdecode(path)):
+            return formats.read(path, **words)
         out = _none()
         call(lib.sp_packing_read, c_path(path), out)
         return cls(out)
@@ -168,11 +179,18 @@ class Packing(_core.Result):
     # ---- files ------------------------------------------------------------------------------------------------------
 
     @documented("sp_packing_save")
-    def save(self, path: Path) -> None:
-        """Writes HDF5 (.h5, .hdf5) or text (.txt), as the ending says. A file of this name is replaced."""
-        ending = os.path.splitext(os.fspath(path))[1]
+    def save(self, path: Path, **words: Any) -> None:
+        """Writes HDF5 (.h5, .hdf5), text (.txt), or a file for another program (.vtp, .data, .dump, .xyz, .csv, .mat, with the
+        words of sonopack.formats.save), as the ending says. A file of this name is replaced."""
+        ending = os.path.splitext(os.fsdecode(path))[1]
         if ending not in (".h5", ".hdf5", ".txt"):
-            raise _core.invalid("", f"{os.fspath(path)}: the ending of a packing must be .h5 or .txt")
+            from . import formats
+            formats.save(self, path, **words)
+        else:
+            self.save_as(path, ending)
+
+    def save_as(self, path: Path, ending: str) -> None:
+        """Writes a file of any name as text, or as HDF5."""
         call(lib.sp_packing_save_text if ending == ".txt" else lib.sp_packing_save, self._c, c_path(path))
 
     def save_tables(self, grains: Path, contacts: Path) -> None:

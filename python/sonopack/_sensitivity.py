@@ -26,6 +26,7 @@ class Gradient:
     """Derivatives of one quantity, by the parameters themselves: the command's by_kn is by a logarithm, kn times this.
     Those not asked for are None. Made by network.sensitivity().
 
+    of: the word of the quantity
     value, error: the quantity, and the bound of its error
     kn, kt: by the stiffness of each spring [springs]
     mass, radius: by those of each grain of the network [n]
@@ -39,7 +40,8 @@ class Gradient:
         parts = [f"{name} {list(part.shape)}" for name in self.errors if (part := getattr(self, name)) is not None]
         return f"<Gradient: value = {self.value:.6g}, error = {self.error:.2g}, by {', '.join(parts)}>"
 
-    def __init__(self, c: Any) -> None:
+    def __init__(self, c: Any, of: str = "") -> None:
+        self.of = of
         self.value, self.error = float(c.value), float(c.error)
         self.homogeneity, self.homogeneity_size = float(c.homogeneity), float(c.homogeneity_size)
         self.errors: dict[str, Floats] = {}
@@ -95,7 +97,7 @@ def _front(network: Network, of: str, wave: _Wave) -> Gradient:
     moved = _gradient()
     moved[0] = getattr(out, of)
     setattr(out, of, lib.sp_gradient_none())
-    return Gradient(moved)
+    return Gradient(moved, of)
 
 
 def _signal(network: Network, t: float, wave: _Wave) -> Gradient:
@@ -103,14 +105,14 @@ def _signal(network: Network, t: float, wave: _Wave) -> Gradient:
     functional = ffi.new("sp_functional *", {"n": 1, "t": time, "weight": weight})
     out = _gradient()
     call(lib.sp_sensitivity_signal, network._c, wave.c, 1, functional, out)
-    return Gradient(out)
+    return Gradient(out, "F")
 
 
 def _modulus(network: Network, of: str, by: int, margin: float) -> Gradient:
     which = ffi.new("sp_modulus[]", [MODULI.index(of)])
     out = _gradient()
     call(lib.sp_sensitivity_moduli, network._c, network._density(margin), 1, which, by, network.packing._c, out)
-    return Gradient(out)
+    return Gradient(out, of)
 
 
 def sensitivity(network: Network, of: str, by: str | Sequence[str], t: float | None, wave: dict[str, Any],
@@ -131,7 +133,7 @@ def sensitivity(network: Network, of: str, by: str | Sequence[str], t: float | N
 def of_modes(network: Network, modes: Modes, first: int, count: int, by: str | Sequence[str]) -> Gradient:
     out = _gradient()
     call(lib.sp_sensitivity_modes, network._c, modes._c, int(first), int(count), _mask(by), network.packing._c, out)
-    return Gradient(out)
+    return Gradient(out, "omega")
 
 
 def of_times(network: Network, t: npt.ArrayLike, springs: npt.ArrayLike | None, wave: dict[str, Any]) -> tuple[Floats, Floats, Floats]:

@@ -87,10 +87,11 @@ class Pulse:
         return float(lib.sp_pulse_strength(self._c, t))
 
 
-class Signal(_core.Result):
+class Signal(_core.Drawn, _core.Result):
     """The force on a detector after a pulse, at equally spaced times. Made by network.signal()."""
 
     _type = "sp_signal"
+    _figure = "signal"
     n = Value[int]()
     sources = Value[int]()
     detectors = Value[int]()

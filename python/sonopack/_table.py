@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 import os
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -132,6 +133,11 @@ class Table(Mapping[str, npt.NDArray[Any]]):
         call(lib.sp_table_to_si, copy._c, struct)
         return copy
 
+    def add_comment(self, text: str) -> None:
+        """Adds a line behind '#'."""
+        err = ffi.new("sp_error *")
+        _core.check(lib.sp_table_add_comment(self._c, err, b"%s", ffi.new("char[]", os.fsencode(text))), err)
+
     # ---- text -------------------------------------------------------------------------------------------------------
 
     def text(self, format: str = "tsv") -> str:
@@ -153,6 +159,10 @@ class Table(Mapping[str, npt.NDArray[Any]]):
             raise _core.invalid("", f"{os.fspath(path)}: the ending of a table must be .tsv, .csv or .json")
         text = os.fsencode(self.text(ending[1:]))
         call(lib.sp_text_save, c_path(path), text, len(text))
+
+    def plot(self, kind: str, **words: Any) -> Any:
+        """Draws a figure of a kind of sonopack.plot, such as "ctof", and returns its Axes."""
+        return getattr(importlib.import_module("sonopack.plot"), kind)(self, **words)
 
     def __repr__(self) -> str:
         return f"<Table: {self.rows} rows of {' '.join(self.names)}>"

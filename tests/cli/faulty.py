@@ -108,8 +108,6 @@ PLAIN = {
     "column-bifurcation": "column {in}/column.cfg --set column.particles=1 --set column.output=bifurcation "
                           "--set column.parameter=period --set column.from=0.1 --set column.to=0.3 "
                           "--set column.points=2 --set column.taps=2 --set column.transient=2",
-    "reproduce-errata": "reproduce blackmore2011 --only errata",
-    "reproduce-report": "reproduce blackmore2011 --only errata,symbols -o report",
     "view": "view {in}/P.h5 -o out.html --frames 3 --lowest 2",
     "convert-text": "convert {in}/P.h5 out.txt",
     "convert-hdf5": "convert {in}/P.txt out.h5",
@@ -167,7 +165,6 @@ INPUTS = [
     "--set packing.pressure=[1e-4,1e-3]",
     *(f"convert {{in}}/P.h5 {{in}}/E.{ending}" for ending in IMPORT),
 ]
-FONTS = "read", "open", "stat", "list", "foreign"
 CPU = 20  # seconds until a run counts as one that hangs
 
 
@@ -252,14 +249,11 @@ class Faulty:
         if changed:
             return "inputs", "inputs have changed"
         if kind == "foreign" and (done.status < 0 or done.status == 255) and not wrong:
-            return "ended by a library", None  # HDF5, libconfig and fontconfig do not stand every lack of memory
+            return "ended by a library", None  # HDF5 and libconfig do not stand every lack of memory
         if done.status < 0:
             return signal.Signals(-done.status).name, f"ended by signal {-done.status}: {done.err[-200:]}"
         if left and kind not in ("unlink",):
             return "left", f"left {left}: {done.err[-200:]}"
-        figures = all(path.endswith((".svg", ".png", ".pdf")) for path in wrong)
-        if wrong and figures and done.status == 0 and kind in FONTS:
-            return "other fonts", None  # cairo and fontconfig go on with what they could read
         if wrong:
             return "wrong", f"status {done.status}, wrong files {wrong}: {done.err[-200:]}"
         if done.status == 0:

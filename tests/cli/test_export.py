@@ -212,7 +212,7 @@ def test_csv_and_mat():
         expect(mat["pressure"] == p.pressure and mat["wall"] == p.wall and mat["dimension"] == p.dim, name + " mat")
         expect(np.atleast_1d(mat["box"]) == p.box, name + " mat: box")
         expect(mat["grains_units"]["mass"][()] == "rho d^3", name + " mat: units")
-        for file in ("o.csv", "o-contacts.csv", "o.mat"):
+        for file in ("o.csv", "o-contacts.csv", "o-packing.csv", "o.mat"):
             os.remove(path(file))
 
 

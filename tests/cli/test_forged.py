@@ -289,6 +289,7 @@ FORGED = [
     ("large seed", "chain", state("seed", 10**15 + 1), "/sonopack/seed"),  # 1e-15 away
     ("wall", "piston", lambda d: d.update(wall=np.bytes_("grain")), "law"),
     ("residual", "faint", state("residual", 1e-20), "/sonopack/residual"),
+    ("infinite residual", "piston", state("residual", np.inf), "/sonopack/residual"),
     ("negative residual", "piston", state("residual", -1.0), "/sonopack/residual"),
     ("steps", "piston", state("steps", 3), "/particles/grains/position/step"),
     ("rattlers", "piston", at("rattler", lambda x: 1 - x), "/sonopack/rattler"),

@@ -3,7 +3,7 @@ pages are short and linked in a chain that the index follows.
 
 usage: test_gallery.py COMMAND SOURCE_DIR [--pictures]
 
-A page tells what is to come out in comments: `<!-- check: VALUE = EXPRESSION -->`, also with < or >. In the expression
+A page tells what is to come out in comments: `<!-- check: VALUE = EXPRESSION; ... -->`, also with < or >. In the expression
 FILE.tsv:COLUMN:ROW is a number of a table (row 1 may be left out), FILE.tsv:#NAME that of a comment `# NAME = number`.
 FILE is also what `sonopack FILE` printed (front.out), the second time front2.out. The functions are those of Python's
 math. VALUE is as the page writes it, which the test looks for; of 0.119(2) the second number is that of the column with _err at
@@ -26,7 +26,8 @@ FOLDER = SOURCE / "docs/gallery"
 PAGES = sorted(FOLDER.glob("[0-9][0-9]-*.md"))
 WORDS = ("docs/recipes.md", "docs/faq.md")
 LARGEST = 60000  # bytes of a picture
-CHECK = re.compile(r"<!-- check: (\S+) ([=<>]) (.+?) -->", re.S)
+COMMENT = re.compile(r"<!-- check: (.+?) -->", re.S)
+CHECK = re.compile(r"\s*(\S+) ([=<>]) (.+)", re.S)
 TERM = re.compile(r"([\w.-]+\.(?:tsv|out)):(#?\w+)(?::(\d+))?")
 
 
@@ -83,7 +84,8 @@ def check_numbers(text, folder):
     """What a page tells, against what its commands have written into a folder."""
     faults = []
     seen = re.sub(r"<!--.*?-->", "", text, flags=re.S)
-    for told, relation, expression in CHECK.findall(text):
+    checks = [check for comment in COMMENT.findall(text) for check in comment.split(";")]
+    for told, relation, expression in (found.groups() for check in checks if (found := CHECK.fullmatch(check))):
         if not re.search(rf"(?<![\w.]){re.escape(told)}(?![\w]|\.\d)", seen):
             faults.append(f"checks {told}, which the page does not tell")
         for number, of in with_error(told, expression):
@@ -94,7 +96,7 @@ def check_numbers(text, folder):
                 continue
             if not holds(number, relation, value):
                 faults.append(f"tells {number} {relation} {of}, which is {value!r}")
-    if len(re.findall(r"<!-- *check", text)) != len(CHECK.findall(text)):
+    if len(re.findall(r"<!-- *check", text)) != len(COMMENT.findall(text)) or not all(map(CHECK.fullmatch, checks)):
         faults.append("has a check that cannot be read")
     return faults
 
@@ -122,7 +124,7 @@ def check_form(page, before, after):
         faults.append("is longer than 60 lines")
     if not (FOLDER / picture_of(text)).stat().st_size < LARGEST:
         faults.append(f"has a picture {picture_of(text)} of 60 kB or more")
-    if not CHECK.search(text):
+    if not COMMENT.search(text):
         faults.append("checks no number")
     for neighbour in (before, after, FOLDER / "README.md"):
         if neighbour and f"]({neighbour.name})" not in text:

@@ -21,18 +21,6 @@ def limit_memory():
     resource.setrlimit(resource.RLIMIT_AS, (LIMIT, LIMIT))
 
 
-def wide_table(folder):
-    """30,000 columns and 30,000 blank lines: a table of one row, for which 7 GB were taken."""
-    trial = subprocess.run([COMMAND, "help", "plot"], capture_output=True, preexec_fn=limit_memory)
-    limited = trial.returncode == 0  # a build with sanitizers cannot run under the limit at all
-    path = folder / "wide.csv"
-    columns = 30000
-    path.write_text(",".join(f"c{k}" for k in range(columns)) + "\n" * 30000 + ",".join(["1"] * columns) + "\n")
-    done = subprocess.run([COMMAND, "plot", "ctof", path, "-o", folder / "no.svg"], capture_output=True, text=True,
-                          preexec_fn=limit_memory if limited else None)
-    assert done.returncode == 1 and "memory" not in done.stderr and "c_tof" in done.stderr, (done.returncode, done.stderr)
-
-
 def unknown_method(folder):
     """The method of a stored signal was any word, and taken for the first method."""
     scene, store = folder / "s.cfg", folder / "store"
@@ -49,5 +37,4 @@ def unknown_method(folder):
 
 
 with tempfile.TemporaryDirectory(prefix="sonopack-guided-") as scratch:
-    wide_table(pathlib.Path(scratch))
     unknown_method(pathlib.Path(scratch))

@@ -406,7 +406,7 @@ def test_help():
     for option in ("--from", "--walls", "--columns", "--rest", "--thickness"):
         expect(before < text.index(f" {option}", before) < after, f"{option} is of the import")
     for option in ("--to", "--vectors", "--times"):
-        expect(after < text.index(f" {option}=", after), f"{option} is of the export")
+        expect(after < text.index(f" {option} ", after), f"{option} is of the export")
 
 
 def test_bad_contacts():

@@ -15,15 +15,8 @@ CHAIN = ["--set", "packing.kind=chain", "--set", "packing.dimension=1", "--set",
 STUDY = """packing = { kind = "chain"; friction = 0; };
 study = { samples = 1; want = ["ctof", "spectrum"]; sweep = ( { key = "packing.grains"; values = [10, 20]; } ); };
 """
-# fontconfig keeps the patterns that it has once read; what cairo or we lose is still reported. The C library's loader
-# compares strings eight bytes at a time when it loads a library with a run path.
+# The C library's loader compares strings eight bytes at a time when it loads a library with a run path.
 SUPPRESSIONS = """{
-    fontconfig
-    Memcheck:Leak
-    ...
-    obj:*/libfontconfig.so*
-}
-{
     loader
     Memcheck:Addr8
     fun:strncmp
@@ -49,7 +42,6 @@ RUNS = [
     (0, ["study", "study.cfg", "--store", "store", "--jobs", "2"]),
     (0, ["table", "ensemble", "--store", "store", "--format", "json"]),
     (0, ["table", "spectrum", "study.cfg", "--store", "store", "--bins", "5"]),
-    (0, ["plot", "signal", "chain.tsv", "-o", "signal.svg"]),
     (0, ["help"]),
     (0, ["--version"]),
     (1, ["check", "truncated.h5"]),

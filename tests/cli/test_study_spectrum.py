@@ -1,5 +1,5 @@
 """The part spectrum of a store and its table: every frequency against a network that numpy builds from the packing, the
-histogram's means and errors against numpy's, what is kept, made anew and refused, and the figure.
+histogram's means and errors against numpy's and what is kept, made anew and refused.
 
 usage: test_study_spectrum.py COMMAND SOURCE_DIR
 """
@@ -345,34 +345,12 @@ def sweeps(folder):
     assert [len(table[2]) for table in signals] == [41, 41]
 
 
-def figure(folder, store):
-    tsv, csv = folder / "dos.tsv", folder / "dos.csv"
-    run("table", "spectrum", "--store", store, "--bins", "30", "-o", tsv)
-    run("table", "spectrum", "--store", store, "--bins", "30", "-o", csv)
-    run("plot", "spectrum", tsv, "-o", folder / "dos.svg")
-    drawn = (folder / "dos.svg").read_text()
-    # 60 corners of the steps, and a band of 120
-    assert drawn.count(" L ") >= 150, drawn.count(" L ")
-    assert "\nmean, 95% interval\n" in drawn and "\ndos\n" not in drawn
-    run("plot", "spectrum", tsv, csv, "-o", folder / "both.png")
-    run("table", "spectrum", "--store", store, "--bins", "30", "-o", folder / "again.tsv")
-    run("plot", "spectrum", tsv, folder / "again.tsv", "-o", folder / "both.svg")
-    drawn = (folder / "both.svg").read_text()
-    # names without endings: the comments are the same
-    assert "\ndos\nagain\nmean, 95% interval\n" in drawn, drawn[:600]
-    (packing,) = [path for path in sorted(store.glob("*.h5"))[:1]]
-    run("spectrum", "dos", packing, "-o", folder / "one.tsv")
-    assert run("plot", "spectrum", tsv, folder / "one.tsv", "-o", folder / "x.svg", status=1).stderr
-    other = run("plot", "spectrum", store / "manifest.tsv", "-o", folder / "x.svg", status=1)
-    assert names_all(other.stderr, "spectrum")
-
-
 with tempfile.TemporaryDirectory(prefix="sonopack-spectra-") as name:
     folder = pathlib.Path(name)
     store = folder / "store"
     for test, arguments in ((frequencies, (folder, store)), (histograms, (store,)), (zero_modes, (folder,)),
                             (intervals, (folder,)), (other_parts_join, (folder, store)), (resumed, (folder, store)),
                             (verified, (folder, store)), (refused, (folder, store)), (too_large, (folder,)),
-                            (chains, (folder,)), (sweeps, (folder,)), (figure, (folder, store))):
+                            (chains, (folder,)), (sweeps, (folder,))):
         test(*arguments)
         print(test.__name__, "ok", flush=True)

@@ -317,14 +317,9 @@ def test_harmless_changes():
     variation(lambda f: replace(f, name, f[name][()], compression="gzip", shuffle=True), "compressed")
     variation(lambda f: replace(f, name, f[name][()].astype(">f8")), "big endian")
     variation(lambda f: replace(f, "connectivity/contacts", f["connectivity/contacts"][()].astype("i8")), "64-bit indices")
-    def as_pairs(f):
-        replace(f, "connectivity/contacts", np.concatenate([f["connectivity/contacts"], f["sonopack/walls/contacts"]]))
-        del f["sonopack/walls"]
-    variation(as_pairs, "contacts with walls among the pairs, as in version 0.3.0")
     variation(lambda f: replace(f, "sonopack/wall", "rigid"), "text of variable length")
     variation(lambda f: replace(f, "sonopack/wall", np.bytes_("rigid")), "text of fixed length")
     variation(lambda f: f.create_dataset("notes", data="mine"), "a dataset of somebody else")
-    variation(lambda f: f.create_dataset("sonopack/seconds", data=1.5), "the time of the making, of older versions")
     variation(lambda f: f.pop("sonopack/rattler"), "rattlers are derived")
 
 

@@ -1,11 +1,10 @@
-/* Words of the command line: numbers, units, materials, values of imports. The first byte chooses. */
+/* Words of the command line: numbers, units, materials. The first byte chooses. */
 #include "base/base.h"
 #include "base/text.h"
 #include "guided.h"
 
 #include <math.h>
 #include <sonopack/network.h>
-#include <sonopack/study/import.h>
 #include <sonopack/units.h>
 #include <stdlib.h>
 #include <string.h>
@@ -51,20 +50,12 @@ static void try_unit(const char *word) {
             must(isfinite(value));
 }
 
-static void try_import(const char *word) {
-    sp_import_options o = sp_import_options_default();
-    sp_error err = guided_error();
-    sp_damping law;
-    guided_good(sp_import_set(&o, word, &err), &err);
-    guided_good(sp_damping_read(word, &law, &err), &err);
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
-    static void (*const reader[])(const char *) = {try_number, try_material, try_unit, try_import};
+    static void (*const reader[])(const char *) = {try_number, try_material, try_unit};
     if (size < 1)
         return 0;
     guided_parts in = guided_split(data + 1, size - 1, 1);
-    reader[data[0] % 4](in.part[0]);
+    reader[data[0] % 3](in.part[0]);
     guided_free(&in);
     return 0;
 }

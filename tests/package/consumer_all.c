@@ -1,6 +1,5 @@
-/* The libraries beside the core through their headers alone: a scene, its packing in a file and back, a figure of it,
- * and the tapped column at rest. */
-#include <sonopack/figure/plot.h>
+/* The libraries beside the core through their headers alone: a scene, its packing in a file and back, its modes, and
+ * the tapped column at rest. */
 #include <sonopack/sonopack.h>
 #include <sonopack/study/modes_file.h>
 #include <sonopack/study/store.h>
@@ -31,10 +30,9 @@ static sp_status modes_in_a_file(const sp_packing *p, const char *file, sp_error
 
 static sp_status packing_in_a_file(const char *folder, sp_error *err) {
     static const char text[] = "packing: { kind = \"triangular\"; width = 6.0; grains = 48; pressure = 1e-4; };";
-    char file[1000], figure[1000], modes[1000];
+    char file[1000], modes[1000];
     snprintf(file, sizeof file, "%s/packing.h5", folder);
     snprintf(modes, sizeof modes, "%s/modes.h5", folder);
-    snprintf(figure, sizeof figure, "%s/packing.svg", folder);
 
     sp_scene scene = sp_scene_default();
     sp_packing made = sp_packing_none(), read = sp_packing_none();
@@ -45,8 +43,6 @@ static sp_status packing_in_a_file(const char *folder, sp_error *err) {
         status = sp_packing_save(&made, file, err);
     if (status == SP_OK)
         status = sp_packing_read(file, &read, err);
-    if (status == SP_OK)
-        status = sp_plot_network(&read, SP_PLOT_FORCES, 0, figure, err);
     if (status == SP_OK)
         status = modes_in_a_file(&read, modes, err);
     if (status == SP_OK)

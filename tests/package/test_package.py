@@ -12,9 +12,9 @@ import tempfile
 
 BUILD, SOURCE, CMAKE, CC = sys.argv[1:5]
 HERE = pathlib.Path(SOURCE, "tests", "package")
-MODULES = ("sonopack", "sonopack-tapped", "sonopack-study", "sonopack-figure")
+MODULES = ("sonopack", "sonopack-tapped", "sonopack-study")
 # what someone who wants signals alone must not be handed
-NOT_IN_THE_CORE = re.compile(r"lib(cairo|hdf5\w*|config)\.so")
+NOT_IN_THE_CORE = re.compile(r"lib(hdf5\w*|config)\.so")
 
 
 def run(*command, env=None, **more):
@@ -68,7 +68,7 @@ def check_symbols(libraries):
 
 
 def check_linked(program, light, env=None):
-    """What a consumer was linked to: signals alone without the libraries of studies and figures."""
+    """What a consumer was linked to: signals alone without the libraries of studies."""
     needed = run("ldd", program, env=env)
     if light:
         expect(not NOT_IN_THE_CORE.search(needed), f"{program.name} is linked to more than it needs:\n{needed}")

@@ -5,9 +5,7 @@
 
 #include <dirent.h>
 #include <malloc.h>
-#include <sonopack/figure/plot.h>
 #include <sonopack/sonopack.h>
-#include <sonopack/study/import.h>
 #include <sonopack/study/store.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -18,7 +16,7 @@
 /* Bytes: the lists of other libraries may grow now and then, but what is lost in every round has 32 at the least. */
 enum { WARM = 20, SLACK = 60000 + 8 * ROUNDS };
 
-static char folder[] = "/tmp/sonopack-calls-XXXXXX", packing_h5[64], packing_txt[64], figure[64], table[64], broken[64],
+static char folder[] = "/tmp/sonopack-calls-XXXXXX", packing_h5[64], packing_txt[64], table[64], broken[64],
             store_path[64];
 
 static int setup(void **state) {
@@ -27,7 +25,6 @@ static int setup(void **state) {
         return 1;
     snprintf(packing_h5, sizeof packing_h5, "%s/p.h5", folder);
     snprintf(packing_txt, sizeof packing_txt, "%s/p.txt", folder);
-    snprintf(figure, sizeof figure, "%s/p.svg", folder);
     snprintf(table, sizeof table, "%s/t.tsv", folder);
     snprintf(broken, sizeof broken, "%s/broken.h5", folder);
     snprintf(store_path, sizeof store_path, "%s/store", folder);
@@ -39,7 +36,7 @@ static int teardown(void **state) {
     (void)state;
     char manifest[80];
     snprintf(manifest, sizeof manifest, "%s/manifest.tsv", store_path);
-    const char *const all[] = {packing_h5, packing_txt, figure, table, broken, manifest, store_path, folder};
+    const char *const all[] = {packing_h5, packing_txt, table, broken, manifest, store_path, folder};
     for (size_t k = 0; k < sizeof all / sizeof *all; k++)
         remove(all[k]);
     return 0;
@@ -63,7 +60,6 @@ static void scenes(void) {
 
 static void files(const sp_packing *p) {
     sp_packing read = sp_packing_none();
-    sp_import_options o = sp_import_options_default();
     sp_store *store = NULL;
     sp_error reason = {0};
     assert_ok(sp_packing_save(p, packing_h5, &err));
@@ -75,8 +71,6 @@ static void files(const sp_packing *p) {
     assert_int_not_equal(sp_packing_read(broken, &read, &reason), SP_OK);
     assert_int_not_equal(sp_packing_read("/nowhere/p.h5", &read, &reason), SP_OK);
     assert_int_not_equal(sp_packing_save(p, "/nowhere/p.h5", &reason), SP_OK);
-    assert_int_not_equal(sp_import(broken, &o, &read, NULL, &reason), SP_OK);
-    assert_ok(sp_plot_network(p, SP_PLOT_FORCES, 0, figure, &err));
     assert_ok(sp_store_open(store_path, true, &store, &err));
     sp_store_close(store);
 }

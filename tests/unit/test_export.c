@@ -1,101 +1,9 @@
-/* Files for other programs, by the library: names, what is refused, and lack of memory. tests/cli/test_export.py
+/* Tables and signals for other programs, by the library: what is refused, and lack of memory. tests/cli/test_export.py
  * compares the numbers. */
 #include "test_store_fixture.h"
 
 #include <sonopack/study/export_file.h>
 #include <sys/stat.h>
-
-static void names_and_endings(void **state) {
-    (void)state;
-    assert_int_equal(sp_export_form_of("a/b.vtp"), SP_EXPORT_VTP);
-    assert_int_equal(sp_export_form_of("B.VTP"), SP_EXPORT_VTP);
-    assert_int_equal(sp_export_form_of("x.lammps"), SP_EXPORT_LAMMPS_DATA);
-    assert_int_equal(sp_export_form_of("x.extxyz"), SP_EXPORT_XYZ);
-    assert_int_equal(sp_export_form_of("a.vtp/b"), SP_EXPORT_NONE);
-    assert_int_equal(sp_export_form_of(".vtp"), SP_EXPORT_NONE);
-    assert_int_equal(sp_export_form_of("x.h5"), SP_EXPORT_NONE);
-    for (int k = 0; sp_export_form_name(k); k++) {
-        char path[32];
-        snprintf(path, sizeof path, "x%s", sp_export_form_ending(k));
-        assert_int_equal(sp_export_form_of(path), k);
-        assert_int_equal(sp_export_form_named(sp_export_form_name(k)), k);
-    }
-    assert_int_equal(sp_export_form_named("paraview"), SP_EXPORT_NONE);
-    assert_null(sp_export_form_name(-1));
-    static char name[SP_EXPORT_FILES_MAX][SP_EXPORT_PATH_MAX], longest[SP_EXPORT_PATH_MAX];
-    assert_int_equal(sp_export_files(SP_EXPORT_VTP, "a.b/c.d.vtp", name), 4);
-    assert_string_equal(name[0], "a.b/c.d.vtp");
-    assert_string_equal(name[1], "a.b/c.d-contacts.vtp");
-    assert_string_equal(name[3], "a.b/c.d.vtm");
-    assert_int_equal(sp_export_files(SP_EXPORT_XYZ, "a.b/c", name), 1);
-    assert_int_equal(sp_export_files(SP_EXPORT_NONE, "a", name), 0);
-    memset(longest, 'x', sizeof longest - 1);
-    assert_int_equal(sp_export_files(SP_EXPORT_XYZ, longest, name), 1);
-    assert_int_equal(sp_export_files(SP_EXPORT_VTP, longest, name), 0);
-    sp_export_frame_name("a/b.pvd", 7, name[0]);
-    assert_string_equal(name[0], "a/b-0007.vtp");
-    sp_export_frame_name(longest, 7, name[0]);
-    assert_string_equal(name[0], "");
-}
-
-static void what_is_not_finite_is_refused(void **state) {
-    (void)state;
-    sp_packing p = fixture_packing(3, 3, 12);
-    double u[36] = {0}, w[36] = {0};
-    const sp_grain_vectors moved = {u, w};
-    const sp_export_options v = {.vectors = &moved};
-    for (int k = 0; k < 4; k++) {
-        sp_error err = {0};
-        *(k & 1 ? &u[17] : &w[17]) = k & 2 ? NAN : INFINITY;
-        assert_int_equal(sp_export(&p, SP_EXPORT_VTP, &v, fixture_path(folder, "o.vtp"), &err), SP_EINVAL);
-        assert_true(test_names(err.text, "5"));
-        assert_int_equal(fixture_count_files(folder), 0);
-        u[17] = w[17] = 0;
-    }
-    sp_error err = {0};
-    assert_int_equal(sp_export(&p, SP_EXPORT_LAMMPS_DATA, &v, fixture_path(folder, "o.data"), &err), SP_EINVAL);
-    assert_int_equal(sp_export(&p, SP_EXPORT_NONE, NULL, fixture_path(folder, "o"), &err), SP_EINVAL);
-    p.r[3] = NAN;
-    assert_int_equal(sp_export(&p, SP_EXPORT_XYZ, NULL, fixture_path(folder, "o.xyz"), &err), SP_EFORMAT);
-    assert_int_equal(fixture_count_files(folder), 0);
-    sp_packing_free(&p);
-}
-
-/* ---- series ----------------------------------------------------------------------------------------------------- */
-
-static void frame(void *user, int k, double *displacement, double *rotation) {
-    const int32_t n = *(const int32_t *)user;
-    for (int32_t i = 0; i < 3 * n; i++)
-        displacement[i] = k == 3 && i == 7 ? NAN : 0.1 * k;
-    if (rotation)
-        memset(rotation, 0, 3 * (size_t)n * sizeof *rotation);
-}
-
-static void a_series_is_whole_or_not_there(void **state) {
-    (void)state;
-    sp_packing p = fixture_packing(5, 2, 10);
-    const double time[4] = {0, 1, 2, 3};
-    sp_export_series s = {.frames = 4, .time = time, .scale = 1, .frame = frame, .rotations = true, .user = &p.n};
-    sp_error why = {0};
-    assert_int_equal(sp_export_pvd(&p, &s, fixture_path(folder, "o.pvd"), &why), SP_EINVAL);
-    assert_true(test_names(why.text, "3 2"));
-    assert_int_equal(fixture_count_files(folder), 0);
-    fixture_write(fixture_path(folder, "o-0001.vtp"), "older");
-    assert_int_equal(sp_export_pvd(&p, &s, fixture_path(folder, "o.pvd"), &why), SP_EINVAL);
-    assert_int_equal(fixture_count_files(folder), 1); /* what was there before stays */
-    s.frames = 3;
-    assert_ok(sp_export_pvd(&p, &s, fixture_path(folder, "o.pvd"), &err));
-    assert_int_equal(fixture_count_files(folder), 4);
-    s.frames = 0;
-    assert_int_equal(sp_export_pvd(&p, &s, fixture_path(folder, "q.pvd"), &why), SP_EINVAL);
-    s.frames = 3;
-    s.scale = INFINITY;
-    assert_int_equal(sp_export_pvd(&p, &s, fixture_path(folder, "q.pvd"), &why), SP_EINVAL);
-    assert_int_equal(fixture_count_files(folder), 4);
-    sp_packing_free(&p);
-    fixture_remove(folder);
-    mkdir(folder, 0700);
-}
 
 /* ---- signals ---------------------------------------------------------------------------------------------------- */
 
@@ -158,29 +66,16 @@ static sp_table some_table(void) {
 /* Each allocation in turn fails: an error, and no file. */
 static void lack_of_memory_is_an_error(void **state) {
     (void)state;
-    static const char *const files[] = {"o.vtp", "o.data", "o.dump", "o.xyz", "o.csv", "o.mat"};
-    enum { SERIES = sizeof files / sizeof *files, TABLE, SAC, SLIST, ACTIONS };
-    sp_packing p = fixture_packing(9, 2, 20);
+    enum { TABLE, SAC, SLIST, ACTIONS };
     sp_table t = some_table();
-    double u[60] = {0}, value[4] = {0, 1, 2, 3};
-    const double time[3] = {0, 1, 2};
-    const sp_grain_vectors moved = {u, u};
-    const sp_material glass = {.young = 7e10, .poisson = 0.2, .density = 2500, .diameter = 1e-3};
-    const sp_export_options v = {.vectors = &moved, .si = &glass}, plain = {.si = &glass};
-    const sp_export_series s = {
-        .frames = 3, .time = time, .scale = 1, .si = &glass, .frame = frame, .rotations = true, .user = &p.n};
+    const double value[4] = {0, 1, 2, 3};
     const sp_trace trace = trace_of(4, value);
     for (int action = 0; action < ACTIONS; action++) {
         sp_status status = SP_ENOMEM;
         for (int64_t k = 0; status != SP_OK; k++) {
             sp_error err = {0};
             sp_alloc_fail_after(k);
-            if (action < SERIES)
-                status = sp_export(&p, (sp_export_form)action, action == SP_EXPORT_LAMMPS_DATA ? &plain : &v,
-                                   fixture_path(folder, files[action]), &err);
-            else if (action == SERIES)
-                status = sp_export_pvd(&p, &s, fixture_path(folder, "o.pvd"), &err);
-            else if (action == TABLE)
+            if (action == TABLE)
                 status = sp_table_save_mat(&t, fixture_path(folder, "t.mat"), &err);
             else if (action == SAC)
                 status = sp_trace_save_sac(&trace, fixture_path(folder, "o.sac"), &err);
@@ -198,13 +93,10 @@ static void lack_of_memory_is_an_error(void **state) {
         mkdir(folder, 0700);
     }
     sp_table_free(&t);
-    sp_packing_free(&p);
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(names_and_endings), cmocka_unit_test(what_is_not_finite_is_refused),
-        cmocka_unit_test(a_series_is_whole_or_not_there), cmocka_unit_test(signals_are_checked),
-        cmocka_unit_test(lack_of_memory_is_an_error)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(signals_are_checked),
+                                       cmocka_unit_test(lack_of_memory_is_an_error)};
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

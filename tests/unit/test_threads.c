@@ -1,9 +1,8 @@
-/* Eight threads at once, each with objects of its own: packings, networks, signals, modes, moduli, spectra, files and
- * figures have the bits that one thread alone gives them (docs/threads.md). */
+/* Eight threads at once, each with objects of its own: packings, networks, signals, modes, moduli, spectra and files
+ * have the bits that one thread alone gives them (docs/threads.md). */
 #include "test.h"
 
 #include <pthread.h>
-#include <sonopack/figure/plot.h>
 #include <sonopack/sonopack.h>
 #include <sonopack/study/store.h>
 #include <stdatomic.h>
@@ -123,36 +122,20 @@ static sp_status spectra(const sp_network *net, FILE *out, sp_error *err) {
     return status;
 }
 
-/* A file's bytes; no file, no bytes. */
-static void keep_file(const char *path, FILE *out) {
-    char buffer[4096];
-    FILE *file = fopen(path, "rb");
-    for (size_t got; file && (got = fread(buffer, 1, sizeof buffer, file)) > 0;)
-        keep(out, buffer, got, 1);
-    if (file)
-        fclose(file);
-}
-
-/* Through HDF5 and back, and for disks a figure. The name of the file is this thread's alone. */
+/* Through HDF5 and back. The name of the file is this thread's alone. */
 static sp_status files(const sp_packing *p, const char *folder, FILE *out, sp_error *err) {
     static atomic_int number;
-    char path[300], figure[300];
+    char path[300];
     const int own = atomic_fetch_add(&number, 1);
     snprintf(path, sizeof path, "%s/%d.h5", folder, own);
-    snprintf(figure, sizeof figure, "%s/%d.png", folder, own);
     sp_packing back = sp_packing_none();
     sp_status status = sp_packing_save(p, path, err);
     if (status == SP_OK)
         status = sp_packing_read(path, &back, err);
     if (status == SP_OK)
         keep(out, back.contacts, (size_t)back.n_contacts, sizeof *back.contacts);
-    if (status == SP_OK && p->dim == 2)
-        status = sp_plot_network(p, SP_PLOT_FORCES, 1e-4, figure, err);
-    if (status == SP_OK && p->dim == 2)
-        keep_file(figure, out);
     sp_packing_free(&back);
     unlink(path);
-    unlink(figure);
     return status;
 }
 

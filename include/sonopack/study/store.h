@@ -85,10 +85,6 @@ SP_API sp_status sp_store_verify(sp_store *store, const sp_store_check *check, s
  * files by then. Call it before any other function of this header. */
 SP_API void sp_hdf5_exit_silently(void);
 
-/* Initialises HDF5 now. A program that loads the library late calls it before long work whose result goes into HDF5
- * files, so that a missing library is found first. */
-SP_API void sp_hdf5_load(void);
-
 #ifdef __cplusplus
 }
 #endif

@@ -55,15 +55,12 @@ int cmd_check(int argc, char **argv);
 int cmd_coda(int argc, char **argv);
 int cmd_column(int argc, char **argv);
 int cmd_completion(int argc, char **argv);
-int cmd_convert(int argc, char **argv);
 int cmd_design(int argc, char **argv);
 int cmd_dispatch(int argc, char **argv); /* executes `sonopack-NAME' of the Python package */
 int cmd_front(int argc, char **argv);
 int cmd_modes(int argc, char **argv);
 int cmd_moduli(int argc, char **argv);
 int cmd_pack(int argc, char **argv);
-int cmd_plot(int argc, char **argv);
-int cmd_reproduce(int argc, char **argv);
 int cmd_sensitivity(int argc, char **argv);
 int cmd_signal(int argc, char **argv);
 int cmd_spectrum(int argc, char **argv);

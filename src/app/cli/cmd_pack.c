@@ -4,7 +4,6 @@
 #include "cli/dry_run.h"
 #include "cli/low_box.h"
 #include "cli/output.h"
-#include "cli/pack_engine.h"
 #include "cli/pack_state.h"
 #include "cost/remaining.h"
 
@@ -13,20 +12,33 @@
 #include <string.h>
 #include <unistd.h>
 
+/* What of LAMMPS the command line gives; the package's program reads it (python/sonopack/formats/engine.py). */
+typedef struct pack_engine {
+    int lammps; /* whether it is the engine */
+    int64_t ranks;
+    const char *program, *prepare, *collect;
+} pack_engine;
+
+static const char *const engine_words[] = {"sonopack", "lammps", NULL};
+
 typedef struct arguments {
     cli_common common;
     double every;
     pack_engine engine;
 } arguments;
 
-static const cli_syntax syntax;
-
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
-    sp_status status = pack_engine_check(&a->engine, &a->common, cli_given(&syntax, &a->common, "seed"), err);
-    if (status != SP_OK)
-        return status;
-    if (!a->common.output && !a->engine.prepare)
+    const pack_engine *e = &a->engine;
+    if (e->lammps)
+        return SP_OK; /* checked there */
+    if (e->prepare || e->collect || e->program || e->ranks > 0)
+        return sp_fail(err, SP_EINVAL, "%s: needs --engine lammps",
+                       e->prepare   ? "--prepare"
+                       : e->collect ? "--collect"
+                       : e->program ? "--lammps"
+                                    : "--ranks");
+    if (!a->common.output)
         return sp_fail(err, SP_EINVAL, "no output: must be -o FILE.h5 or -o FILE.txt");
     return SP_OK;
 }
@@ -38,10 +50,10 @@ static const cli_option options[] = {
     CLI_DRY_RUN,
     {.help = "Packings that LAMMPS makes (docs/cluster.md):"},
     {"engine", "sonopack|lammps", "Program that compresses the packing (sonopack)", CLI_CHOICE,
-     .field = offsetof(arguments, engine.engine), .words = pack_engine_words},
+     .field = offsetof(arguments, engine.lammps), .words = engine_words},
     {"ranks", "N", "Run LAMMPS on N ranks, by mpirun -n N", CLI_INTEGER, .field = offsetof(arguments, engine.ranks),
      .low = 1, .high = 1000000},
-    {"lammps", "PATH", "The program LAMMPS (lmp)", CLI_TEXT, .field = offsetof(arguments, engine.lammps)},
+    {"lammps", "PATH", "The program LAMMPS (lmp)", CLI_TEXT, .field = offsetof(arguments, engine.program)},
     {"prepare", "DIR", "Only write the input of LAMMPS to a folder", CLI_TEXT,
      .field = offsetof(arguments, engine.prepare)},
     {"collect", "DIR", "Only read what LAMMPS has made of the files of --prepare, and bring it to rest", CLI_TEXT,
@@ -276,19 +288,6 @@ static sp_status plan(const arguments *a, const sp_scene *scene, sp_error *err) 
     return status;
 }
 
-/* ---- LAMMPS ----------------------------------------------------------------------------------------------------- */
-
-static sp_status make_by_lammps(const arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
-    if (a->engine.prepare)
-        return pack_engine_prepare(&a->engine, &a->common, scene, err);
-    sp_status status = pack_engine_make(&a->engine, &a->common, scene, p, err);
-    if (status == SP_OK)
-        status = save_packing(p, a->common.output, err);
-    if (status == SP_OK)
-        pack_engine_clean(&a->engine, &a->common);
-    return status;
-}
-
 /* ---- all together ----------------------------------------------------------------------------------------------- */
 
 static sp_status may_write_output(const arguments *a, sp_error *err) {
@@ -297,21 +296,12 @@ static sp_status may_write_output(const arguments *a, sp_error *err) {
         return SP_OK;
     if (!cli_has_ending(path, ".txt") && !cli_is_hdf5(path))
         return sp_fail(err, SP_EINVAL, "-o %s: the ending of a packing must be .h5 or .txt", path);
-    if (!cli_has_ending(path, ".txt"))
-        sp_hdf5_load();
     return cli_may_write(&a->common, path, err);
 }
 
 static sp_status read_scene(arguments *a, sp_scene *scene, sp_error *err) {
-    char collected[SP_PATH_MAX];
     const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
-    sp_status status = SP_OK;
-    if (a->engine.collect) {
-        status = pack_engine_scene(&a->engine, collected, err);
-        path = collected;
-    }
-    if (status == SP_OK)
-        status = cli_read_scene(&a->common, path, scene, err);
+    sp_status status = cli_read_scene(&a->common, path, scene, err);
     if (status == SP_OK)
         status = cli_set_scene(&a->common, scene, err);
     return status == SP_OK ? sp_scene_resolve(scene, err) : status;
@@ -321,7 +311,7 @@ static sp_status make(arguments *a, sp_scene *scene, const sp_packing *from, sp_
     compression c = {.arguments = a, .scene = scene};
     if (a->common.dry_run)
         return plan(a, scene, err);
-    return a->engine.engine == PACK_ENGINE_LAMMPS ? make_by_lammps(a, scene, p, err) : make_and_save(&c, from, p, err);
+    return make_and_save(&c, from, p, err);
 }
 
 static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
@@ -343,12 +333,17 @@ static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *er
     if (status == SP_OK)
         status = make(a, scene, &from, p, err);
     sp_packing_free(&from);
-    return status == SP_OK && !a->common.dry_run && !a->engine.prepare ? summarise(a, scene, p, err) : status;
+    return status == SP_OK && !a->common.dry_run ? summarise(a, scene, p, err) : status;
 }
 
 int cmd_pack(int argc, char **argv) {
     arguments a = {.every = 10};
     cli_parse(&syntax, argc, argv, &a);
+    if (a.engine.lammps) {
+        char name[] = "sonopack pack-lammps";
+        argv[0] = name;
+        return cmd_dispatch(argc, argv);
+    }
     sp_error err = {0};
     sp_scene scene = sp_scene_default();
     sp_packing p = sp_packing_none();

@@ -34,7 +34,6 @@ static sp_status write_one(const cli_common *common, const cli_file *file, const
     const cli_motion motion = {.packing = &file->packing,
                                .net = net,
                                .made = file->scene->network,
-                               .mode = true,
                                .number = mode,
                                .omega = m->omega[row],
                                .omega_error = m->error[row],

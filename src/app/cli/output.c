@@ -229,7 +229,7 @@ sp_status cli_print(const char *text, sp_error *err) {
 
 /* The names of files beside common->output follow from the table, and are checked here. */
 static sp_status write_foreign(const cli_common *common, const sp_table *t, sp_error *err) {
-    char name[SP_EXPORT_PATH_MAX];
+    char name[SP_PATH_MAX];
     int files = 0;
     sp_status status = cli_foreign_files(t, common->output, &files, err);
     for (int k = 0; k < files && files > 1 && status == SP_OK; k++) {

@@ -1,4 +1,4 @@
-/* Plans studies: --dry-run of study and reproduce. */
+/* Plans studies: --dry-run of study. */
 #include "cli/plan_study.h"
 
 #include "base/file.h"

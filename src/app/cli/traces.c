@@ -43,14 +43,13 @@ sp_status cli_foreign_files(const sp_table *t, const char *path, int *files, sp_
     return has_ending(path, ".mat") ? SP_OK : check_times(t, path, err);
 }
 
-sp_status cli_foreign_name(const sp_table *t, const char *path, int k, char name[SP_EXPORT_PATH_MAX], sp_error *err) {
+sp_status cli_foreign_name(const sp_table *t, const char *path, int k, char name[SP_PATH_MAX], sp_error *err) {
     const char *ending = ending_of(path);
     const int stem = (int)(ending - path);
     const bool several = has_ending(path, ".sac") && t->columns > 2;
-    const int length = several
-                           ? snprintf(name, SP_EXPORT_PATH_MAX, "%.*s-%s%s", stem, path, t->column[k + 1].name, ending)
-                           : snprintf(name, SP_EXPORT_PATH_MAX, "%s", path);
-    return length < SP_EXPORT_PATH_MAX ? SP_OK : sp_fail(err, SP_EINVAL, "%.100s: the name is too long", path);
+    const int length = several ? snprintf(name, SP_PATH_MAX, "%.*s-%s%s", stem, path, t->column[k + 1].name, ending)
+                               : snprintf(name, SP_PATH_MAX, "%s", path);
+    return length < SP_PATH_MAX ? SP_OK : sp_fail(err, SP_EINVAL, "%.100s: the name is too long", path);
 }
 
 /* ---- signals ---------------------------------------------------------------------------------------------------- */
@@ -130,7 +129,7 @@ static sp_status make_trace(const sp_table *t, int column, signal_text *s, sp_tr
 }
 
 static sp_status write_sac(const sp_table *t, int count, const sp_trace *trace, const char *path, sp_error *err) {
-    char name[SP_EXPORT_PATH_MAX];
+    char name[SP_PATH_MAX];
     sp_status status = SP_OK;
     for (int k = 0; k < count && status == SP_OK; k++) {
         status = cli_foreign_name(t, path, k, name, err);

@@ -2,6 +2,8 @@
 #define SP_CLI_TRACES_H
 /* Tables in the files of other programs: any table as a MAT-file, tables of signals as SAC or SLIST. */
 
+#include "base/file.h"
+
 #include <sonopack/study/export_file.h>
 #include <stdbool.h>
 
@@ -11,7 +13,7 @@ bool cli_is_foreign_table(const char *path);
  * column is the time t, at equal intervals. */
 sp_status cli_foreign_files(const sp_table *t, const char *path, int *files, sp_error *err);
 /* The name of file k: of several signals, NAME-F1.sac, NAME-F2.sac, ... */
-sp_status cli_foreign_name(const sp_table *t, const char *path, int k, char name[SP_EXPORT_PATH_MAX], sp_error *err);
+sp_status cli_foreign_name(const sp_table *t, const char *path, int k, char name[SP_PATH_MAX], sp_error *err);
 /* Writes all files. */
 sp_status cli_foreign_write(const sp_table *t, const char *path, sp_error *err);
 

@@ -4,10 +4,6 @@
 
 #include <sonopack/packing.h>
 
-/* Returns the spec with all open values filled in: limits of the diameters (for a list: its extremes), depth,
- * tolerance, and the values set by the protocol. Resolving a spec twice changes nothing. */
-SP_SHARED sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given);
-
 /* Cells without a piston (cell_spec.c). The number of components of packing.stress; the target stress, xx yy zz yz xz
  * xy, which is p along the diagonal without one; the rows of the resolve and the check; and the spec of the gas, with
  * longer edges. */
@@ -44,21 +40,15 @@ sp_status sp_piston_make(const sp_pack_spec *spec, const sp_pack_hooks *hooks, s
 void sp_sizes_limits(const sp_pack_spec *spec, double *low, double *high);
 /* Fraction of the unrestricted lognormal distribution within the limits. */
 double sp_sizes_within(const sp_pack_spec *spec);
-/* Moment <d^k>, k >= 0, of the distribution (of a list: of its entries), and quantities derived from it. */
-SP_SHARED double sp_sizes_moment(const sp_pack_spec *spec, int k);
+/* Quantities derived from the moments of the distribution. */
 double sp_sizes_mean_area(const sp_pack_spec *spec);
 double sp_sizes_mean_volume(const sp_pack_spec *spec);
 /* Whether the grains are so similar that they may form a lattice. */
 bool sp_sizes_alike(const sp_pack_spec *spec);
-/* Radii r [n] of all grains, drawn from the stream SP_STREAM_DIAMETERS. */
-SP_SHARED void sp_radii_draw(const sp_pack_spec *spec, double *r);
 
 /* ---- gas ------------------------------------------------------------------------------------------------------- */
 
-/* Places grains at random without overlap at the gas fraction of the spec, between walls at 0 and *height (2D and 3D).
- * x is [n][3]; unused axes are not written. SP_EFAILED if a grain finds no free place. */
-SP_SHARED sp_status sp_gas_make(const sp_pack_spec *spec, const double *r, double *x, double *height, sp_error *err);
-/* The same; the watch of the hooks may stop it (SP_EINTERRUPTED). */
+/* As sp_gas_make; the watch of the hooks may stop it (SP_EINTERRUPTED). */
 sp_status sp_gas_make_watched(const sp_pack_spec *spec, const sp_pack_hooks *hooks, const double *r, double *x,
                               double *height, sp_error *err);
 

@@ -62,7 +62,7 @@ sp_status sp_samples_sorted(int64_t n, const sp_sample *samples, const sp_sample
     return SP_OK;
 }
 
-/* Files of earlier versions have no material, and a failed sample has nothing to average. */
+/* A failed sample has nothing to average. */
 static bool is_known(const sp_sample *s) { return s->material != 0 && !s->failed; }
 
 /* Refuses samples of different materials. Pressure, size, friction and width are not part of the material. */

@@ -1,5 +1,5 @@
 /* The cell of a packing in HDF5: its kind, edges and tilt, and gravity. Files of packings under a piston without
- * gravity have no entries of their own for these, as in all versions before there were other cells. */
+ * gravity have no entries of their own for these. */
 #include "base/base.h"
 #include "packing/geometry.h"
 #include "store/packing_h5.h"

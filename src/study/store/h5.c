@@ -156,12 +156,6 @@ sp_status sp_h5_end_draft(sp_h5 *h, sp_error *err) {
 
 void sp_hdf5_exit_silently(void) { H5dont_atexit(); }
 
-void sp_hdf5_load(void) {
-    pthread_mutex_lock(&library);
-    H5open();
-    pthread_mutex_unlock(&library);
-}
-
 /* A file that cannot be opened is not damaged. Reading a pipe or a device might never end. */
 static sp_status open_file(const char *path, int *fd, sp_error *err) {
     struct stat info;

@@ -337,8 +337,7 @@ static sp_status count_rows(sp_h5 *h, const char *path, int64_t *rows, sp_error 
     return status == SP_OK ? sp_h5_get(h, path, SP_H5_I32, &shape, NULL, err) : status;
 }
 
-/* Finds how many contacts there are between grains and with walls. Version 0.3.0 and earlier ones wrote all of them as
- * pairs. */
+/* Finds how many contacts there are between grains and with walls. */
 static sp_status count_contacts(sp_h5 *h, int64_t *pairs, int64_t *walls, sp_error *err) {
     *walls = 0;
     sp_status status = count_rows(h, name_pairs.path, pairs, err);

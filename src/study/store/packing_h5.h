@@ -6,7 +6,6 @@
 
 #include <sonopack/packing.h>
 
-/* Increased when older versions would misread the format. */
 /* Format 2 has masses or stiffnesses that a reader of format 1 would not notice, format 3 another cell than a piston's,
  * or gravity. Everything else is written as 1. */
 enum { SP_H5_FORMAT = 1, SP_H5_FORMAT_OWN_LAW = 2, SP_H5_FORMAT_CELL = 3 };

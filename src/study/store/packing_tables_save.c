@@ -17,7 +17,7 @@ static void add_numbers(sp_text *t, const double *value, int count) {
     }
 }
 
-/* Nothing for a piston without gravity, as in all versions before there were other cells. */
+/* Nothing for a piston without gravity. */
 static void add_cell(sp_text *t, const sp_packing *p) {
     static const char *const tilt[3] = {"xy", "xz", "yz"};
     if (p->cell != SP_CELL_PISTON || p->gravity != 0)

@@ -139,7 +139,6 @@ static const sp_h5_field signal_field[] = {
 enum { SIGNAL_FIELDS = sizeof signal_field / sizeof *signal_field };
 static const sp_h5_field kind_field =
     SAMPLE(kind, SP_H5_I32, "1", "how it was made: 0 by a piston, 1 a chain, 2 a triangular lattice, 3 from a file");
-/* Missing in files of earlier versions. */
 static const sp_h5_field material_field =
     SAMPLE(material, SP_H5_U64, "1", "hash of the keys beside those above: samples that differ in it are not averaged");
 /* Parts that failed, with the reason of the first. */

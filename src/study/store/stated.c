@@ -75,7 +75,7 @@ sp_status sp_stated_scene(const sp_packing *p, sp_error *err) {
  * the residual was found: one packing in 150 of 40 grains has an acceleration up to 1.2 times as large. */
 sp_status sp_stated_residual(const sp_packing *p, const sp_audit *audit, sp_error *err) {
     const double stated = p->residual, found = audit->acceleration;
-    if (isnan(stated) || (stated >= 0 && found <= 10 * stated + 1e-9 * p->pressure))
+    if (isnan(stated) || (isfinite(stated) && stated >= 0 && found <= 10 * stated + 1e-9 * p->pressure))
         return SP_OK;
     return sp_at_odds(err, "/sonopack/residual", stated, found);
 }
@@ -93,13 +93,9 @@ static sp_status check_masses(sp_h5 *h, const sp_packing *p, double *buffer, sp_
     return status;
 }
 
-/* Versions up to 0.6.0 found other rattlers in such a packing: smooth grains that rest by their weight. Their files are
- * not false. */
-static bool had_other_rattlers(const sp_packing *p) { return p->gravity > 0 && p->friction == 0 && p->dim > 1; }
-
 static sp_status check_rattlers(sp_h5 *h, const sp_packing *p, uint8_t *stated, uint8_t *found, sp_error *err) {
     static const char *const path = "/sonopack/rattler";
-    if (!sp_h5_has(h, path) || had_other_rattlers(p))
+    if (!sp_h5_has(h, path))
         return SP_OK;
     sp_status status = sp_h5_get(h, path, SP_H5_U8, &(sp_h5_shape){1, {p->n}}, stated, err);
     if (status == SP_OK)

@@ -53,10 +53,8 @@ sp_status sp_store_open(const char *dir, bool create, sp_store **out, sp_error *
     memcpy(store->dir, dir, strlen(dir));
     store->claims.fd = -1;
     status = sp_manifest_open(dir, &store->manifest, err);
-    if (status == SP_OK && create) {
-        sp_hdf5_load();
+    if (status == SP_OK && create)
         status = prepare_writing(store, err);
-    }
     if (status != SP_OK) {
         sp_store_close(store);
         return status;

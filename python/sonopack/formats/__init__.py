@@ -1,0 +1,234 @@
+"""Packings in the files of other programs: what Packing.read and Packing.save use beyond HDF5 and text.
+
+    packing = Packing.read("atoms.dump", contacts="contacts.dump", friction=0.5)
+    packing.save("packing.vtp")
+    for packing in sonopack.formats.series("atoms.dump", friction=0.5): ...
+
+Each form has a module that reads rows of numbers into a Sheet, or writes an Export; what the rows mean is found out in the
+order of load(): grains, cell, contacts, walls, Hertz's law, and the packing with its balance.
+"""
+from __future__ import annotations
+
+import glob
+import os
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from .. import _core
+from .._core import Floats, Path, c_path, call
+from .._packing import Packing
+from .._native import lib
+from .._records import Material
+from . import cell, complete, contacts, finish, forms, grains, lammps, law, mat, table, vtk, walls, xyz
+from ._faults import bad_file, bad_option
+from .export import Export, beside
+from .options import SAID, Options, keys_of, read_key
+from .work import Made, Report, Work
+
+#: endings of files that save() writes, and the names of their forms
+ENDINGS = {".vtp": "vtp", ".data": "lammps-data", ".lammps": "lammps-data", ".dump": "lammps-dump", ".xyz": "xyz",
+           ".extxyz": "xyz", ".csv": "csv", ".mat": "mat"}
+#: those with a place for displacements
+MOVING = ("vtp", "lammps-dump", "xyz", "csv", "mat")
+_OPTIONS = ("contacts", "walls", "columns", "types", "frame", "length_unit", "force_unit", "mass_unit", "kn", "kt_ratio",
+            "thickness", "rest", "threads")
+
+
+# ---- reading --------------------------------------------------------------------------------------------------------
+
+def read(path: Path, *, form: str = "auto", material: Material | None = None, **words: Any) -> Packing:
+    """The packing of a file of another program (docs/formats.md).
+
+    words: contacts, walls (files, or words as of --contacts and --walls), columns={role: name}, types, frame, length_unit,
+    force_unit, mass_unit, kn, kt_ratio, thickness, rest; and the keys of --set: friction=0.5, top=8.9, wall="elastic".
+    packing.report says what was read: its lines() are what the command prints.
+    """
+    options = Options(form, material=material, **{name: words.pop(name) for name in _OPTIONS if name in words})
+    if options.columns is not None and not isinstance(options.columns, str):
+        options.columns = ",".join(f"{role}={name}" for role, name in options.columns.items())
+    if options.types is not None and not isinstance(options.types, str):
+        options.types = ",".join(map(str, options.types if isinstance(options.types, (list, tuple)) else [options.types]))
+    options.contacts, options.walls = (None if word is None else os.fspath(word) for word in (options.contacts, options.walls))
+    options.keys = keys_of(words)
+    packing, report = load(os.fspath(path), options)
+    packing.report = report
+    return packing
+
+
+def load(path: str, options: Options) -> Made:
+    """Reads a packing stage by stage."""
+    form = options.form if options.form != "auto" else forms.form_of(path)
+    if form in ("vtp", "mat") or (form == "csv" and options.form == "auto" and options.contacts is None and not options.keys
+                                  and complete.csv_is_whole(path)):
+        return _whole(path, form, options)
+    if form in ("auto", "ours"):
+        raise bad_file(f"{path}: {'a packing of this program' if form == 'ours' else 'its form is not recognised'}; --from must "
+                       "be lammps-data, lammps-dump, liggghts, yade, mercury, xyz, csv or photoelastic")
+    _check_options(options, form)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        w = _read_files(path, options, form)
+        for stage in (grains.gather, grains.scale, cell.find, contacts.read, walls.read):
+            stage(w)
+        w.roles.check(w.grains, w.contacts)
+        law.complete(w)
+        packing = finish.make(w)
+        return (finish.rest(w, packing) if options.rest else packing), w.report
+
+
+def _whole(path: str, form: str, options: Options) -> Made:
+    packing = complete.read(path, form, options.material)
+    count = int((packing.contacts["j"] < 0).sum())
+    return packing, Report(form, packing.n, len(packing.contacts), count, balance=_balance(packing))
+
+
+def _balance(p: Packing) -> float:
+    """The largest net force on a grain that is no rattler, over the mean contact force."""
+    mean = float(p.contacts["fn"].mean()) if len(p.contacts) else 0.0
+    net = np.linalg.norm(Export(p, "").net, axis=1)[~p.rattlers()]
+    return float(net.max()) / mean if mean > 0 and len(net) and p.gravity == 0 else float("nan")
+
+
+def _check_options(o: Options, form: str) -> None:
+    """Options that need each other."""
+    for unit in (o.length_unit, o.force_unit, o.mass_unit):
+        if not 0 < unit < float("inf"):
+            raise bad_option(f"the unit {unit:g}: must be positive")
+    if o.material is None and o.thickness == o.thickness:
+        raise bad_option("--thickness: needs the density of the disks, --material E=...,nu=...,rho=...")
+    if form != "photoelastic":
+        return
+    if o.material is None or o.kn != o.kn:
+        raise bad_option("photoelastic disks are no Hertzian spheres: give " + (
+            "--material E=...,nu=...,rho=... (their modulus and density)" if o.material is None
+            else "--kn, the stiffness of a contact"))
+    if o.contacts is None:
+        raise bad_option("photoelastic: give --contacts, the file of frame,id1,id2,Ft,Fn")
+
+
+def _read_files(path: str, o: Options, form: str) -> Work:
+    """The sheets, and the keys that the head of the file says where no option does."""
+    sheet = forms.read(path, form, o.frame)
+    if o.frame is not None and sheet.frame < 0:
+        raise bad_option(f"--frame {o.frame}: {path} has no frames")
+    frame = sheet.frame if sheet.frame >= 0 else None  # of several, the contacts of the same one
+    listed = None if o.contacts in (None, "overlap") else forms.read_contacts(str(o.contacts), form, frame)
+    of_walls = (None if o.walls in (None, "overlap", "none", "balance")
+                else forms.read_contacts(str(o.walls), form, frame))
+    if listed is not None and listed.frame >= 0 and sheet.frame >= 0 and listed.frame != sheet.frame:
+        raise bad_option(f"{path} is of frame {sheet.frame}, {o.contacts} of {listed.frame}; must be the same")
+    w = Work(path, o, form, sheet, listed, of_walls)
+    if sheet.frames > 1 and o.frame is None:
+        w.note(f"{path} has {sheet.frames} frames: the last, {sheet.frame}, is taken (--frame takes another)")
+    _take_keys(w)
+    return w
+
+
+def _take_keys(w: Work) -> None:
+    taken = ""
+    for key in SAID:
+        if key in w.o.keys or key not in w.grains.said:
+            continue
+        try:
+            w.o.keys[key] = read_key(key, w.grains.said[key])
+        except _core.InvalidInput as fault:
+            raise bad_option(f"{w.path}: {fault}") from None
+        taken += f" {key}={w.grains.said[key]}"
+    if taken:
+        w.note(f"from the head of the file:{taken}")
+
+
+def is_foreign(path: str) -> bool:
+    """Whether a file that exists is one of another program, by its content."""
+    return os.path.isfile(path) and forms.form_of(path) not in ("auto", "ours")
+
+
+def series(path: Path, **words: Any) -> Iterator[Packing]:
+    """The packings of all frames of a file, or of the files of a folder or a pattern in the order of their names. words: as
+    of read(); contacts may be a file with the same frames, or a pattern with as many files."""
+    name = os.fspath(path)
+    files = sorted(glob.glob(os.path.join(name, "*") if os.path.isdir(name) else name)) or [name]
+    lists = sorted(glob.glob(os.fspath(words["contacts"]))) if words.get("contacts") not in (None, "overlap") else []
+    if len(files) > 1 or os.path.isdir(name):
+        if len(lists) > 1 and len(lists) != len(files):
+            raise bad_option(f"contacts: {len(lists)} files, must be one for each of the {len(files)}")
+        for k, file in enumerate(files):
+            yield Packing.read(file, **{**words, **({"contacts": lists[k]} if len(lists) > 1 else {})})
+        return
+    for frame in frames_of(files[0], words.get("form", "auto")) or [None]:
+        yield Packing.read(files[0], **{**words, "frame": frame})
+
+
+def frames_of(path: Path, form: str = "auto") -> list[int]:
+    """The frames of a file as it names them: time steps, or numbers; an empty list if it has none."""
+    name = os.fspath(path)
+    form = forms.form_of(name) if form == "auto" else form
+    if form in ("lammps-dump", "liggghts"):
+        return lammps.steps(name)
+    if form in ("xyz", "mercury"):
+        return list(range(forms.read(name, form).frames))
+    return table.frames_of(name) if form in ("csv", "photoelastic") else []
+
+
+# ---- writing --------------------------------------------------------------------------------------------------------
+
+def form_for(path: str) -> str | None:
+    """The form that the ending of a name stands for, .gz left aside; None: none of another program."""
+    return ENDINGS.get(os.path.splitext(path.removesuffix(".gz"))[1].lower())
+
+
+def files_for(form: str, path: str) -> list[str]:
+    """The files that save() writes, the first of which is `path`."""
+    if form == "vtp":
+        return vtk.files_of(path)
+    return [path, beside(path, "-contacts.csv"), beside(path, "-packing.csv")] if form == "csv" else [path]
+
+
+def content(packing: Packing, form: str, path: str, *, si: Material | None = None, displacement: Floats | None = None,
+            rotation: Floats | None = None) -> dict[str, bytes]:
+    """What save() writes, file by file."""
+    call(lib.sp_packing_check, packing._c)
+    if displacement is not None and form not in MOVING:
+        raise bad_option(f"{path}: this form has no place for displacements")
+    for values in (displacement, rotation):
+        bad = np.flatnonzero(~np.isfinite(values).all(axis=1)) if values is not None else []
+        if len(bad):
+            raise bad_option(f"the displacement of grain {bad[0]} is not a finite number")
+    e = Export(packing, path, si, displacement, rotation)
+    if form in ("vtp", "csv"):
+        return vtk.write(e) if form == "vtp" else complete.write_csv(e)
+    return {path: {"lammps-data": lammps.write_data, "lammps-dump": lammps.write_dump, "xyz": xyz.write, "mat": mat.write}[form](e)}
+
+
+def save(packing: Packing, path: Path, *, form: str | None = None, si: bool = False, displacement: Floats | None = None,
+         rotation: Floats | None = None) -> None:
+    """Writes a packing for another program (docs/formats.md): all files, or none. form: one of ENDINGS' values, by default
+    that of the ending, which .gz may follow. si: in SI units, of the packing's material. displacement, rotation [n][3] are
+    listed as they are."""
+    name = os.fspath(path)
+    form = form or form_for(name)
+    if form not in ENDINGS.values():
+        raise bad_option(f"{name}: the ending of a packing must be .h5, .txt or {', '.join(ENDINGS)}")
+    if si and not packing.material.young > 0:
+        raise bad_option("si: the packing has no material")
+    plain = name.removesuffix(".gz")
+    write_files({file + name[len(plain):]: data for file, data in content(
+        packing, form, plain, si=packing.material if si else None, displacement=displacement, rotation=rotation).items()})
+
+
+def write_files(files: dict[str, bytes]) -> None:
+    """Writes all files, those that end in .gz packed. If one fails, those that were not there before are removed."""
+    import gzip
+    new = []
+    try:
+        for name, data in files.items():
+            if not os.path.lexists(name):
+                new.append(name)
+            packed = gzip.compress(data, 6, mtime=0) if name.endswith(".gz") else data
+            call(lib.sp_text_save, c_path(name), packed, len(packed))
+    except BaseException:
+        for name in new:
+            if os.path.exists(name):
+                os.unlink(name)
+        raise

@@ -1,0 +1,401 @@
+"""sonopack convert: imports and exports packings."""
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import math
+import os
+import re
+from typing import Any
+
+import numpy as np
+
+from .. import formats
+from .._command import Parser, cores, may_write, note, number, option, usage, whole
+from .._packing import Packing
+from .._records import Material
+from .._table import material_of
+from . import forms, motion, vtk
+from .export import Export
+from .options import Options, read_keys
+from .work import modulus
+
+_FRAMES, _MOST_FRAMES, _AMPLITUDE = 24, 10000, 0.25
+_KINDS = {"h5": ".h5", "txt": ".txt", "pvd": ".pvd", "vtp": ".vtp", "lammps-data": ".data", "lammps-dump": ".dump",
+          "xyz": ".xyz", "csv": ".csv", "mat": ".mat"}
+_ENDINGS = ".h5, .txt, .vtp, .pvd, .data, .dump, .xyz, .csv or .mat"
+#: options of other programs' files
+_IMPORT = ("walls", "columns", "types", "frame", "length_unit", "force_unit", "mass_unit", "kn", "kt_ratio", "thickness", "rest")
+
+_USAGE = """%(prog)s [OPTION...] IN OUT [--contacts FILE|overlap]
+  or:  %(prog)s [OPTION...] IN|OUT --grain-table G.tsv --contact-table C.tsv"""
+_HELP = """\
+The format of IN is recognised by its content, that of OUT by its ending or --to. With two tables and one packing file, the
+existing one of the two is read and the other is written. A table of grains may also take the place of IN or OUT; then only
+the table of contacts needs an option:
+  sonopack convert grains.tsv P.h5 --contact-table contacts.tsv
+With IN, OUT and both tables the packing is written in both forms.
+IN may also be a file of LAMMPS, LIGGGHTS, Yade or MercuryDPM, extended XYZ, or a table; its contacts are then in --contacts
+FILE or, with --contacts overlap, found by overlap:
+  sonopack convert grains.dump P.h5 --contacts contacts.dump --set friction=0.5
+--set then takes dimension, up, cell (piston, periodic or box: that of the file), sides, across, width, depth, bottom, top,
+height, left, right, front, back, xy, xz, yz, gravity, pressure, friction, poisson, wall, digits, first_id (docs/formats.md).
+For our own tables: box and material are in comment lines `# key = value' or in --set key=value: width, depth (3D), height,
+cell, xy, xz, yz, gravity, pressure, friction, poisson, wall, material, seed. Lengths are in mean grain diameters, pressures
+in E*.
+
+Endings of OUT for other programs: .vtp (ParaView, OVITO: also NAME-contacts.vtp, NAME-walls.vtp and NAME.vtm), .pvd
+(ParaView: a series of snapshots, NAME-0000.vtp and so on), .data and .dump (LAMMPS), .xyz (extended XYZ), .csv
+(spreadsheets: also NAME-contacts.csv and NAME-packing.csv), .mat (MATLAB, Octave); and these with .gz behind them. All but
+.pvd can be read again."""
+
+
+def parser() -> Parser:
+    p = Parser("convert", usage=_USAGE, epilog=_HELP, description="Converts packings between HDF5 (.h5), a text file (.txt), "
+               "two tables, and the files of other programs.")
+    p.add_argument("files", nargs="*", metavar="IN OUT", help=argparse.SUPPRESS)
+    add = p.add_argument
+    add("--grain-table", "--grains", dest="grains", metavar="FILE.tsv",
+        help="table of grains: id x y [z] radius. --grains is its older name")
+    add("--contact-table", "--contacts", dest="contacts", metavar="FILE.tsv",
+        help="table of contacts: i j nx ny [nz] overlap Fn Ft. Its older name is --contacts, which with files of other programs "
+             "names their list of contacts, or is overlap: all pairs that overlap")
+    _add_import(p.add_argument_group("Packings of other programs").add_argument)
+    _add_export(p.add_argument_group("Files for other programs").add_argument)
+    p.set_type("--material", option(_material_option))
+    return p
+
+
+def _add_import(add: Any) -> None:
+    unit, stiff = number(1e-30, 1e30), number(1e-300, 1e300)
+    add("--from", dest="form", choices=forms.FORMS, default="auto", help="form of IN (auto)")
+    add("--walls", metavar="FILE|overlap|balance|none", help="contacts with the walls (those that IN has, else overlap)")
+    add("--columns", metavar="ROLE=NAME,...", help="columns of IN and its contacts, as in id1=c_1[1],ft_x=c_2[5]")
+    add("--types", metavar="T,...", help="only grains of these types")
+    add("--frame", metavar="N", type=whole(0, 9 * 10**15), help="frame or time step N (the last)")
+    add("--length-unit", metavar="L", type=unit, help="length unit of IN over that of the material (1)")
+    add("--force-unit", metavar="F", type=unit, help="the same for forces")
+    add("--mass-unit", metavar="M", type=unit, help="the same for masses")
+    add("--kn", metavar="K", type=stiff, help="normal stiffness of all contacts, in units of the material (Hertz's law)")
+    add("--kt-ratio", metavar="X", type=number(0, 100), help="tangential over normal stiffness (Mindlin's)")
+    add("--thickness", metavar="H", type=stiff, help="grains are disks of this thickness, in units of the material")
+    add("--rest", action="store_true", default=None, help="bring the grains to rest under their pressure")
+
+
+def _add_export(add: Any) -> None:
+    add("--to", metavar="KIND", help=f"form of OUT, in place of its ending: {', '.join(_KINDS)}")
+    add("--vectors", metavar="FILE", help="displacements to write: a file of modes, or a table of displacements of this packing")
+    add("--mode", metavar="N", type=whole(0, 10**15), help="displacements in mode N, of --vectors or computed")
+    add("--times", metavar="T|LOW:HIGH:N",
+        help="displacements at these times after a pulse at the bottom wall; several need .pvd")
+    add("--frames", metavar="N", type=whole(1, _MOST_FRAMES), help=".pvd of a mode: snapshots of one period (24)")
+    add("--amplitude", metavar="D", type=number(0, 1e6), help=".pvd: largest displacement shown [d] (0.25)")
+
+
+# ---- what is read and written ---------------------------------------------------------------------------------------
+
+@dataclasses.dataclass
+class _Job:
+    """Files of a conversion: source None: the two tables are read; target None: they are written alone."""
+
+    a: argparse.Namespace
+    source: str | None
+    target: str | None
+    grains: str | None
+    contacts: str | None
+    foreign: bool = False
+    ending: str = ""  # the form of the target
+
+    @property
+    def writes_tables(self) -> bool:
+        return self.source is not None and self.grains is not None
+
+    @property
+    def exports(self) -> bool:
+        return self.target is not None and self.ending not in (".h5", ".txt")
+
+
+def _job(a: argparse.Namespace) -> _Job:
+    if len(a.files) > 2:
+        raise usage(f"{len(a.files)} files; must be IN and OUT")
+    job = _Job(a, *(a.files + [None, None])[:2], a.grains, a.contacts)
+    if a.output and job.target:
+        raise usage(f"OUT is given twice, as {job.target} and -o {a.output}")
+    own_table = job.grains or (job.source or "").endswith(".tsv") and a.contacts != "overlap"
+    job.foreign = a.form != "auto" or bool(job.source and not own_table and formats.is_foreign(job.source))
+    if not job.foreign:
+        for name in _IMPORT:
+            if getattr(a, name) is not None:
+                raise usage(f"--{name.replace('_', '-')}: applies to files of other programs; {job.source or 'IN'} is not "
+                            "recognised as one (--from FORM says its form)")
+        return _own_files(job)
+    job.target = a.output or job.target
+    if not job.source or not job.target:
+        raise usage(f"no OUT: must be a file name that ends in {_ENDINGS}")
+    if job.grains:
+        raise usage(f"--grain-table: IN is {job.source}, the grains of another program; must not be given")
+    return job
+
+
+def _own_files(job: _Job) -> _Job:
+    """Which of a packing file and two tables is read, and which is written."""
+    two = bool(job.source and (job.target or job.a.output))
+    job.target = job.a.output or job.target
+    if not job.source and not job.target:
+        raise usage("no file: must be IN and OUT; see `sonopack help convert'")
+    if two and job.grains in (None, job.source) and str(job.source).endswith(".tsv"):
+        job.grains, job.source = job.source, None
+    elif two and job.grains in (None, job.target) and str(job.target).endswith(".tsv"):
+        job.grains, job.target = job.target, None
+    if (job.grains is None) != (job.contacts is None):
+        raise usage(f"a table of {'grains' if job.grains else 'contacts'} alone: give both --grain-table and --contact-table (or "
+                    "--grains and --contacts)")
+    if job.source == "-" and job.grains:
+        job.source = None
+    if job.source and not job.target:
+        if not job.grains:
+            raise usage(f"no OUT: must be a file name that ends in {_ENDINGS}")
+        return job if two else _choose_direction(job)
+    return job
+
+
+def _choose_direction(job: _Job) -> _Job:
+    """With one packing file and both tables, what exists is read."""
+    found = [os.path.exists(path) for path in (str(job.grains), str(job.contacts))]
+    packing = os.path.exists(str(job.source))
+    if all(found) and packing:
+        words = f"{job.source} {job.grains}", f"{job.grains} {job.source}"
+        raise usage(f"{job.source} and both tables exist: use `convert {words[0]} --contact-table ...' to write the tables, or "
+                    f"`convert {words[1]} --contact-table ...' to read them")
+    if all(found) or (not packing and any(found)):
+        job.target, job.source = job.source, None
+    return job
+
+
+def _ending_of(a: argparse.Namespace, path: str) -> str:
+    """The ending whose form OUT has: that of --to, or its own."""
+    if a.to is not None:
+        if a.to not in _KINDS:
+            raise usage(f"--to {a.to:.60}: must be h5, txt, pvd, vtp, lammps-data, lammps-dump, xyz, csv or mat")
+        return _KINDS[a.to]
+    own = os.path.splitext(path)[1]
+    if own in (".h5", ".hdf5", ".txt", ".pvd"):
+        return own.replace(".hdf5", ".h5")
+    form = formats.form_for(path)
+    if form is None:
+        raise usage(f"{path}: its ending must be {_ENDINGS}; or use --to")
+    return _KINDS[form]
+
+
+# ---- checks before the work -----------------------------------------------------------------------------------------
+
+def _times(text: str) -> list[float]:
+    """T, or LOW:HIGH:N."""
+    words = text.split(":")
+    try:
+        if len(words) not in (1, 3):
+            raise argparse.ArgumentTypeError("must be T or LOW:HIGH:N")
+        low = number(0, 1e9)(words[0])
+        if len(words) == 1:
+            return [low]
+        high, count = number(low, 1e9)(words[1]), whole(1, _MOST_FRAMES)(words[2])
+    except argparse.ArgumentTypeError as fault:
+        raise usage(f"--times {text:.60}: {fault}") from None
+    return [low + (high - low) * k / (count - 1) for k in range(count)] if count > 1 else [low]
+
+
+def _has_motion(a: argparse.Namespace) -> bool:
+    return bool(a.vectors) or a.mode is not None or a.times is not None
+
+
+def _check_motion(a: argparse.Namespace, ending: str, path: str) -> None:
+    times = _times(a.times) if a.times is not None else []
+    given = "frames" if a.frames is not None else "amplitude" if a.amplitude is not None else ""
+    if ending in (".h5", ".txt") and (_has_motion(a) or given):
+        raise usage(f"{path}: takes no displacements; the forms .vtp, .pvd, .dump, .xyz, .csv and .mat do")
+    if times and (a.vectors or a.mode is not None):
+        raise usage("--times: gives the motion after a pulse; not together with --vectors or --mode")
+    if ending != ".pvd" and len(times) > 1:
+        raise usage(f"--times {a.times:.60}: several times need an OUT that ends in .pvd")
+    if ending != ".pvd" and given:
+        raise usage(f"--{given}: applies only to an OUT that ends in .pvd")
+    if times and a.frames is not None:
+        raise usage("--frames: applies only to a mode; --times has its own number")
+
+
+def _outputs(job: _Job) -> list[str]:
+    """The files of OUT, the first of which is OUT itself."""
+    a, path = job.a, str(job.target)
+    if job.ending == ".pvd":
+        count = len(_times(a.times)) if a.times is not None else a.frames or _FRAMES
+        return [path, *(vtk.frame_name(path, k) for k in range(count))]
+    form = formats.ENDINGS.get(job.ending)
+    packed = ".gz" if path.endswith(".gz") else ""
+    return [name + packed for name in formats.files_for(form, path.removesuffix(".gz"))] if form else [path]
+
+
+def _check_output(job: _Job) -> None:
+    a = job.a
+    if job.target is not None:
+        job.ending = _ending_of(a, job.target)
+        _check_motion(a, job.ending, job.target)
+        for k, name in enumerate(_outputs(job)):
+            may_write(a, name, None, job.ending if k == 0 and a.to else None)
+    if a.units == "si" and (not job.exports or job.writes_tables):
+        raise usage("--units si: packings are stored in d, E* and rho, in .h5, .txt and tables; files for other programs may be "
+                    "in SI")
+    for table in (job.grains, job.contacts) if job.writes_tables else ():
+        may_write(a, str(table), None)
+
+
+# ---- reading --------------------------------------------------------------------------------------------------------
+
+def _import(job: _Job) -> Packing:
+    a = job.a
+    given = {name: getattr(a, name) for name in (*_IMPORT, "contacts") if getattr(a, name) is not None}
+    options = Options(a.form, material=a.material, threads=a.threads or cores(), keys=read_keys(a.set), **given)
+    packing, report = formats.load(str(job.source), options)
+    for line in report.lines(str(job.source)):
+        note(a, line)
+    return packing
+
+
+def _read(job: _Job) -> Packing:
+    a = job.a
+    if job.foreign:
+        return _import(job)
+    if job.source is None:
+        keys = dict(text.partition("=")[::2] for text in a.set)
+        return Packing.read_tables(str(job.grains), str(job.contacts), keys)
+    if a.set:
+        raise usage(f"--set {a.set[0]:.60}: applies only to tables; {job.source} has its own values")
+    return Packing.read(job.source)
+
+
+def _text(m: Material) -> str:
+    return f"E={m.young!r},nu={m.poisson!r},rho={m.density!r},d={m.diameter!r}"
+
+
+def _take_material(job: _Job, packing: Packing) -> Packing:
+    """Gives a packing of ours the material of --material; of another program's it has it, with the diameter of the file."""
+    a, own, path = job.a, packing.material, job.source or job.grains
+    if a.material is None:
+        if a.units == "si" and not own.young > 0:
+            raise usage(f"--units si: needs a material, and {path} has none: give it, as in --material "
+                        "E=70e9,nu=0.22,rho=2500,d=1e-3 (Pa, kg/m^3, m)")
+    elif not job.foreign:
+        if not a.material.diameter > 0:
+            raise usage("material.d: is missing in --material; only files of other programs give it by their mean diameter")
+        if own.young > 0 and own != a.material:
+            note(a, f"{path}: --material replaces its material {_text(own)}")
+        packing = packing.of_material(a.material)
+    d = packing.material.diameter
+    if packing.material.young > 0 and not 1e-7 <= d <= 0.1:
+        note(a, f"warning: material.d = {d:g} m: the diameter of the grains is in metres")
+    return packing
+
+
+# ---- writing --------------------------------------------------------------------------------------------------------
+
+def _factors(a: argparse.Namespace, packing: Packing, is_mode: bool) -> tuple[Material | None, float, float, float]:
+    """The material of SI units, and what displacements, rotations and times are multiplied by. A mode has |M^(1/2) u| = 1, so
+    that its u is in 1/sqrt(rho d^3) and its rotations in 1/sqrt(rho d^5)."""
+    m = packing.material
+    if a.units != "si":
+        return None, 1.0, 1.0, 1.0
+    u = 1 / math.sqrt(m.density * math.pow(m.diameter, 3)) if is_mode else m.diameter
+    return m, u, u / m.diameter, m.diameter * math.sqrt(m.density / modulus(m))
+
+
+def _find_motion(job: _Job, packing: Packing) -> motion.Motion:
+    a = job.a
+    if job.source is None or job.foreign:
+        raise usage("displacements need a packing file as IN: convert to .h5 first")
+    if a.times is not None:
+        return motion.after_pulse(packing, _times(a.times), a.threads or cores())[0]
+    return motion.find(packing, a.mode, a.vectors)
+
+
+def _moved(found: motion.Motion, factors: tuple[Any, ...], amount: float = 1.0) -> dict[str, Any]:
+    u, turn = found.of_grains(amount)
+    return {"displacement": factors[1] * u, "rotation": None if turn is None else factors[2] * turn}
+
+
+def _write_packing(job: _Job, packing: Packing) -> None:
+    a, path = job.a, str(job.target)
+    found = _find_motion(job, packing) if _has_motion(a) else None
+    factors = _factors(a, packing, found is not None and found.is_mode)
+    vectors = {} if found is None else _moved(found, factors)
+    plain = path.removesuffix(".gz")
+    files = formats.content(packing, formats.ENDINGS[job.ending], plain, si=factors[0], **vectors)
+    formats.write_files({name + path[len(plain):]: data for name, data in files.items()})
+    _note_losses(job, packing)
+
+
+def _write_movie(job: _Job, packing: Packing) -> None:
+    """A moving picture for ParaView: of a mode that swings, or of a wave that passes."""
+    a, path = job.a, str(job.target)
+    if a.times is not None:
+        times = _times(a.times)
+        frames = [(one, 1.0) for one in motion.after_pulse(packing, times, a.threads or cores())]
+    else:
+        one = _find_motion(job, packing)
+        if not one.is_mode:
+            raise usage(f"{a.vectors}: is a snapshot; a movie needs a mode, or --times LOW:HIGH:N")
+        count, period = a.frames or _FRAMES, 2 * math.pi / one.omega if one.omega > 0 else 1.0
+        times = [period * k / count for k in range(count)]
+        frames = [(one, math.cos(2 * math.pi * k / count)) for k in range(count)]
+    factors = _factors(a, packing, frames[0][0].is_mode)
+    dim = packing.dim
+    moving = [one for one, _ in frames[:1 if frames[0][0].is_mode else None]]
+    most = factors[1] * max(float(np.sqrt((one.u[:, :dim] ** 2).sum(axis=1)).max()) for one in moving)
+    shown = (factors[0].diameter if factors[0] else 1.0) * (_AMPLITUDE if a.amplitude is None else a.amplitude)
+    scale = shown / most if most > 0 else 0.0
+    times = [time * factors[3] for time in times]
+    e, files = Export(packing, path, factors[0]), {}
+    for k, (one, amount) in enumerate(frames):
+        vectors = _moved(one, factors, amount)
+        e.displacement, e.rotation = vectors["displacement"], vectors["rotation"]
+        files[vtk.frame_name(path, k)] = vtk.write_frame(e, times[k], scale)
+    formats.write_files({**files, path: vtk.write_index(path, times)})
+    note(a, f"{path}: {len(times)} frames, displacements times {scale:.6g}")
+
+
+def _note_losses(job: _Job, p: Packing) -> None:
+    """Says what a form that only knows grains leaves out."""
+    if job.ending not in (".dump", ".data", ".xyz"):
+        return
+    if (p.contacts["kn"] > 0).any():
+        note(job.a, f"{job.target}: has no place for the stiffnesses of contacts, which are left out")
+    if job.ending == ".dump":
+        walls = "" if p.cell == "periodic" else "walls and "
+        wall = "" if p.cell == "periodic" else f"--set wall={p.wall} "
+        note(job.a, f"{job.target}: has no place for {walls}friction: to read it again, {wall}--set friction={p.friction:g}")
+
+
+def _write(job: _Job, packing: Packing) -> None:
+    if job.exports:
+        (_write_movie if job.ending == ".pvd" else _write_packing)(job, packing)
+    elif job.target is not None:
+        packing.save_as(job.target, job.ending)
+    if job.writes_tables:
+        packing.save_tables(str(job.grains), str(job.contacts))
+
+
+def _material_option(text: str) -> Material:
+    """--material without d: the diameter is 0, that of the file."""
+    has_d = re.search(r"(^|[, ])d=", text)
+    material = material_of(text if has_d else text + ",d=1")
+    return material if has_d else dataclasses.replace(material, diameter=0.0)
+
+
+def run(a: argparse.Namespace) -> int:
+    job = _job(a)
+    _check_output(job)
+    packing = _take_material(job, _read(job))
+    _write(job, packing)
+    m = packing.material
+    si = f" E* ({1e-3 * packing.pressure * modulus(m):.6g} kPa)" if m.young > 0 else ""
+    note(a, f"{job.source or job.grains} -> {job.target or job.grains}: {packing.n} grains, {len(packing.contacts)} contacts in "
+            f"{packing.dim}D at p = {packing.pressure:g}{si}")
+    return 0

@@ -1,0 +1,319 @@
+"""The files that LAMMPS is given for a packing: the gas of grains, and the input script with our contact law, our piston, and
+our protocol. Lengths in mean diameters, density and E* of the grains 1."""
+from __future__ import annotations
+
+import dataclasses
+import math
+from typing import Any
+
+import numpy as np
+
+from .. import __version__, _core
+from .._core import Floats, call
+from .._native import ffi, lib
+from ._faults import bad_option
+from .export import number_text as n
+from .export import rows_of
+from .law import eta
+from .work import PI
+
+#: files of a run in its folder; WORDS is what LAMMPS and its launcher print, RESULT one line, written last
+GAS, INPUT, SCENE, WORDS, LOG, GRAINS, CONTACTS, RESULT = FILES = (
+    "gas.data", "in.pack", "scene.cfg", "printed.txt", "log.lammps", "grains.dump", "contacts.dump", "result.txt")
+
+# The fraction of the stable step of packing.time_step, 0.7, corresponds to 0.1 sqrt(m/k) of the lightest grain and the
+# stiffest contact. LAMMPS has one step for a whole run, so that it must be stable at the hardest impact.
+_STEP_AT_DEFAULT, _DEFAULT_STEP = 0.1, 0.7
+_REST = 1e-5  # once LAMMPS has come to this many pressures our own compression takes over
+_WEAK = 1e-8  # how much weaker the springs of the viscous contacts are
+
+
+def check(given: Any) -> None:
+    """Refuses a spec that LAMMPS cannot make."""
+    call(lib.sp_pack_spec_check, given)
+    s = lib.sp_pack_spec_resolve(given)
+    for wrong, key, value, rule in (
+            (s.kind != lib.SP_PACK_PISTON, "kind", "", 'must be "piston" for --engine lammps'),
+            (s.cell != lib.SP_CELL_PISTON, "cell", "", 'must be "piston" for --engine lammps'),
+            (s.tangential != lib.SP_TANGENTIAL_CONSTANT, "tangential", "", 'must be "constant" for --engine lammps'),
+            (s.gravity != 0, "gravity", f" = {s.gravity:g}", "must be 0 for --engine lammps"),
+            (s.protocol == lib.SP_PROTOCOL_AFFINE, "protocol", ' = "affine"',
+             "must be another for --engine lammps, which pushes with a piston"),
+            (s.compression != lib.SP_COMPRESSION_PISTON, "compression", "", 'must be "piston" for --engine lammps'),
+            (s.history_count > 0, "history", f" = ({s.history_count} pressures)", "must be empty for --engine lammps; give the "
+             'packing that it makes to packing.kind = "file"'),
+            (getattr(s, "reference", False), "reference", " = true", "must be false for --engine lammps"),
+            (s.viscous_limit != 1 and s.viscous_limit < 1000, "viscous_limit", f" = {s.viscous_limit:g}",
+             "must be 1, or at least 1000 (no limit), for --engine lammps")):
+        if wrong:
+            raise bad_option(f"{value}: {rule}", f"packing.{key}")
+
+
+@dataclasses.dataclass
+class Deck:
+    """What the input script says in numbers."""
+
+    dim: int
+    grains: int
+    period: tuple[float, float]
+    height: float  # of the gas
+    pressure: float
+    friction: float
+    kn: float  # F_n = kn sqrt(R12) n^(3/2) and k_t = kt sqrt(R12 n) of two grains; walls: twice
+    kt: float
+    restitution: float  # for which `damping tsuji' has the fraction of critical damping that is wanted
+    tangential_damping: float  # viscous tangential over viscous normal coefficient
+    free_viscosity: bool  # Coulomb's law does not limit the viscous tangential force, which has contacts of its own
+    weak_damping: float
+    piston_mass: float
+    smallest: float  # diameter
+    step: float
+    skin: float  # of the neighbour lists
+    calm: float  # largest acceleration at which a global damping begins
+    drag: float  # its rate
+    steps: int  # at most
+
+    @property
+    def rest(self) -> float:
+        """Largest acceleration at which the run ends."""
+        return _REST * self.pressure
+
+
+# ---- numbers --------------------------------------------------------------------------------------------------------
+
+def _tsuji(e: float) -> float:
+    return 1.2728 + e * (-4.2783 + e * (11.087 + e * (-22.348 + e * (27.467 + e * (-18.022 + e * 4.8218)))))
+
+
+def restitution(alpha: float) -> float:
+    """The number for which the polynomial of `damping tsuji' is alpha. Between 0 and 1 it falls from 1.2728 to 0, and it
+    grows without bounds above 1.3. LAMMPS takes any number there."""
+    low, high = (10.0, 1.3) if alpha > _tsuji(0) else (0.0, 1.0)
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if _tsuji(middle) > alpha else (low, middle)
+    return 0.5 * (low + high)
+
+
+def pressure_of(s: Any) -> float:
+    """Pressure under which LAMMPS packs: that of the spec unless it would push grains through each other."""
+    small = s.diameter_min / lib.sp_sizes_moment(ffi.addressof(s), 1)
+    return float(min(s.pressure, 1e-3 * min(1, 4 * small * small)))
+
+
+def _mass(r: float) -> float:
+    return 4.0 / 3.0 * PI * r * r * r
+
+
+def _loaded(s: Any, pressure: float) -> float:
+    """Stiffness of a wall contact of the largest grain under so many times the load of one grain."""
+    e = math.sqrt(0.5 * s.diameter_max)
+    return 2 * e * math.sqrt(math.pow(0.75 * (10 * pressure * (s.diameter_max * s.diameter_max)) / e, 2 / 3))
+
+
+def _struck(s: Any, pressure: float, height: float) -> float:
+    """The same at the impact of the piston, which pressure has accelerated over the whole height of the gas."""
+    r = 0.5 * s.diameter_max
+    e, square = math.sqrt(r), 2 * pressure * height / s.piston_mass
+    return 2 * e * math.sqrt(math.pow(0.9375 * _mass(r) * square / e, 0.4))
+
+
+def _step(s: Any, stiffness: float) -> float:
+    viscous = 6.25 * s.damping  # a lighter damping allows longer steps
+    stable, usual = (math.sqrt(v * v + 4) - v for v in (viscous, 6.25 * 0.8))
+    step = min(s.time_step, _DEFAULT_STEP)  # longer steps need grains with more inertia, which LAMMPS does not have
+    return _STEP_AT_DEFAULT * step / _DEFAULT_STEP * min(2, stable / usual) * math.sqrt(_mass(0.5 * s.diameter_min) / stiffness)
+
+
+def plan(s: Any, height: float) -> Deck:
+    """The numbers for a resolved spec and a gas of this height."""
+    p, area, ratio = pressure_of(s), s.width * (s.depth if s.dim == 3 else 1), eta(s.poisson)
+    longest = max(s.width, s.depth, 0.5 * height)
+    alpha = 2 * s.damping * math.sqrt(1.5)  # c = 2 zeta sqrt(m k_n) with k_n = 1.5 F_n/n; tsuji: c = alpha sqrt(m F_n/n)
+    free = s.friction > 0 and s.viscous_limit > 1
+    most = s.max_steps or int(4e6 * max(1, height / 75) * max(1, math.pow(s.pressure / 1e-4, -0.3)))
+    return Deck(s.dim, s.grains, (s.width, s.depth), height, p, s.friction, 2.0 / 3.0, ratio if s.friction > 0 else 0.0,
+                restitution(alpha), math.sqrt(ratio) if s.friction > 0 else 0.0, free,
+                math.sqrt(ratio / _WEAK) * alpha / _tsuji(0.1) if free else 0.0, s.piston_mass * area, s.diameter_min,
+                _step(s, max(_loaded(s, p), _struck(s, p, height))), 0.15 * s.diameter_max, s.calm * p,
+                s.drag * math.pow(p / 1e-4, 1 / 3) * min(1, 30 / longest), most)
+
+
+# ---- gas ------------------------------------------------------------------------------------------------------------
+
+def radii(s: Any) -> Floats:
+    """Of all grains of a resolved spec."""
+    r = np.empty(s.grains)
+    lib.sp_radii_draw(ffi.addressof(s), _core.pointer_to(r))
+    return r
+
+
+def files(given: Any) -> dict[str, bytes]:
+    """Gas and input script of a spec."""
+    check(given)
+    s = lib.sp_pack_spec_resolve(given)
+    r, x, height = radii(s), np.zeros((s.grains, 3)), ffi.new("double *")
+    call(lib.sp_gas_make, ffi.addressof(s), _core.pointer_to(r), _core.pointer_to(x), height)
+    d = plan(s, height[0])
+    return {GAS: _gas(d, r, x), INPUT: _script(d).encode()}
+
+
+def _gas(d: Deck, r: Floats, x: Floats) -> bytes:
+    """The grains, and the atom that is the piston, of the smallest diameter so that it widens no list."""
+    small, up = d.smallest, d.dim - 1
+    at = [0.5 * d.period[0], 0.5 * d.period[1] if d.dim == 3 else 0.0, 0.0]
+    at[up] = d.height
+    edges = [(axis, 0.0, d.period[a]) for a, axis in enumerate("xyz"[:up])] + [("xyz"[up], -1.0, d.height + 1)]
+    edges += [("z", -0.5, 0.5)] if d.dim == 2 else []
+    head = f"gas of grains, and the piston: written by sonopack {__version__}\n\n{d.grains + 1} atoms\n2 atom types\n\n"
+    head += "".join(f"{n(low)} {n(high)} {axis}lo {axis}hi\n" for axis, low, high in edges) + "\nAtoms # sphere\n\n"
+    ids = np.arange(1, d.grains + 1)
+    piston = [d.grains + 1, 2, *map(n, (small, d.piston_mass / (PI / 6 * small * small * small), *at))]
+    return (head.encode() + rows_of([ids, ids * 0 + 1, 2 * r, np.ones(d.grains), *x.T])
+            + (" ".join(map(str, piston)) + "\n").encode())
+
+
+# ---- input script ---------------------------------------------------------------------------------------------------
+
+def _springs(d: Deck, factor: float) -> str:
+    """Springs with Coulomb's law, and normal viscosity."""
+    text = f"hertz {n(factor * d.kn)} {n(d.restitution)}"
+    if not d.friction > 0:
+        return text + " tangential linear_nohistory 0 0 damping tsuji limit_damping"
+    damping = 0.0 if d.free_viscosity else d.tangential_damping
+    return f"{text} tangential mindlin/force {n(factor * d.kt)} {n(damping)} {n(d.friction)} damping tsuji limit_damping"
+
+
+def _viscosity(d: Deck, factor: float) -> str:
+    """Tangential viscosity alone, of springs without weight."""
+    return f"hertz {n(factor * (_WEAK * 2.0 / 3.0))} {n(0.1)} tangential linear_nohistory {n(d.weak_damping)} 1e15 damping tsuji"
+
+
+def _script(d: Deck) -> str:
+    flat, turns, twice = d.dim == 2, d.friction > 0, d.free_viscosity
+    up, column = ("y", 3) if flat else ("z", 4)
+    along = "0 {} 0" if flat else "0 0 {}"
+    numbers = {"p": d.pressure, "step": d.step, "calm": d.calm, "rest": d.rest, "drag": d.drag, "piston": d.piston_mass}
+    words = {
+        "grains": d.grains, "dim": d.dim, "version": __version__, "input": INPUT, "gas": GAS, "most": d.steps, "skin": n(d.skin),
+        "numbers": "".join(f"variable    {name:<10} equal {n(value)}\n" for name, value in numbers.items()),
+        "boundary": "p f p" if flat else "p p f", "processors": "* 1 1" if flat else "* * 1",
+        "law": _springs(d, 1), "wall": _springs(d, 2), "viscous": _VISCOUS.format(_viscosity(d, 1), _viscosity(d, 2)) if twice
+        else "pair_style  granular\npair_coeff  * * ${law}\n", "up": up, "column": column,
+        "move": "NULL v_top NULL" if flat else "NULL NULL v_top", "plane": "0 0 0 0 -1 0" if flat else "0 0 0 0 0 -1",
+        "second": _SECOND.format(up=up, column=column) if twice else "", "area": "" if flat else "*ly",
+        "twice": "-c_roof_v" if twice else "", "push": along.format("v_push"), "flat": "fix         flat all enforce2d\n" if flat
+        else "", "spin": _SPIN if turns else "", "turn": _TURN if turns else "", "turns": "+c_turn" if turns else "",
+        "drag": along.format("v_drag_p"), "tangent": "p13 p14 p15" if twice else "p1 p2 p3", "file_grains": GRAINS,
+        "file_contacts": CONTACTS, "result": RESULT}
+    text = _TEMPLATE
+    for name, value in words.items():
+        text = text.replace(f"<{name}>", str(value))
+    return text
+
+
+_VISCOUS = """\
+# Coulomb's law limits the springs, not the viscous forces: these come from contacts of their own, whose
+# springs are 1e8 times weaker and whose friction is endless.
+variable    law_v     string "{}"
+variable    wall_v    string "{}"
+pair_style  hybrid/overlay granular granular
+pair_coeff  * * granular 1 ${{law_v}}
+pair_coeff  * * granular 2 ${{law}}
+"""
+_SECOND = """\
+fix         floor_v grain wall/gran granular ${{wall_v}} {up}plane 0 NULL
+fix         roof_v grain wall/gran/region granular ${{wall_v}} region above contacts
+compute     roof_v grain reduce sum f_roof_v[{column}]
+"""
+_SPIN = "compute     spin all property/atom radius tqx tqy tqz\n"
+_TURN = """\
+variable    turn atom 2.5*sqrt(c_spin[2]^2+c_spin[3]^2+c_spin[4]^2)/(mass*c_spin[1])
+compute     turn grain reduce max v_turn
+"""
+# The second run continues the first without a setup, in which wall/gran/region of 29 Sep 2021 forgets how the wall moves. The
+# drag acts on every third step, so that the largest acceleration is free of it on most of the steps that look for rest. A
+# piston on its way down is not at rest, however heavy it is. Forces are dumped without their viscous parts; of two laws, the
+# numbers of the second follow the twelve of the first.
+_TEMPLATE = """\
+# <grains> grains in <dim> dimensions, compressed by a piston: written by sonopack <version> for LAMMPS of 29 Sep 2021 or later
+# with its package GRANULAR. Lengths in mean diameters, density and E* of the grains 1.
+#   lmp -nocite -in <input>          or      mpirun -n N lmp -nocite -in <input>
+<numbers>variable    most       equal <most>
+
+units       lj
+dimension   <dim>
+boundary    <boundary>
+# columns as high as the box: each rank has its share of the grains before and after compaction
+processors  <processors>
+newton      off
+atom_style  sphere
+comm_modify vel yes
+read_data   <gas>
+group       grain type 1
+group       piston type 2
+neighbor    <skin> bin
+neigh_modify delay 0 every 1 check yes exclude group piston all
+
+# Hertz's and Mindlin's forces with E* = 1: spring, `restitution' that sets the damping, tangential spring,
+# viscosity and friction. A wall is rigid and flat: twice as stiff.
+variable    law       string "<law>"
+variable    wall      string "<wall>"
+<viscous>
+# An atom, which touches nothing, has the mass of the upper wall: the wall is where the atom is. The load pushes
+# it down and the grains push it up.
+variable    top equal xcm(piston,<up>)
+region      above plane <plane> side in move <move> units box
+fix         floor grain wall/gran granular ${wall} <up>plane 0 NULL contacts
+fix         roof grain wall/gran/region granular ${wall} region above contacts
+compute     roof grain reduce sum f_roof[<column>]
+<second>variable    load equal v_p*lx<area>
+variable    push equal -v_load-c_roof<twice>
+fix         push piston addforce <push>
+fix         move_grains grain nve/sphere
+fix         move_piston piston nve
+<flat>
+<spin>variable    a atom sqrt(fx^2+fy^2+fz^2)/mass
+compute     a all reduce max v_a
+<turn>variable    largest equal c_a<turns>
+variable    moving equal v_largest+(abs(v_push)>0.5*v_load)
+thermo      1000
+thermo_style custom step v_largest v_top
+thermo_modify lost error norm no flush yes format float %.10g
+
+variable    dragged equal 0
+variable    rate equal v_dragged*v_drag
+variable    drag_x atom -3*v_rate*mass*vx
+variable    drag_y atom -3*v_rate*mass*vy
+variable    drag_z atom -3*v_rate*mass*vz
+fix         drag grain addforce v_drag_x v_drag_y v_drag_z every 3
+variable    drag_p equal -v_rate*v_piston*vcm(piston,<up>)
+fix         drag_p piston addforce <drag>
+variable    end equal v_moving/v_calm
+fix         end all halt 200 v_end < 1 error continue
+timestep    ${step}
+run         ${most}
+# The grains are calm: from here on with a global damping. What moves at the end comes to rest in sonopack.
+variable    dragged equal 1
+variable    end equal v_moving/v_rest
+run         ${most} pre no
+unfix       end
+
+velocity    all set 0 0 0
+set         group grain omega 0 0 0
+compute     sp_id all property/local patom1 patom2
+compute     sp_contact all pair/local dist force <tangent>
+dump        grains all custom 1 <file_grains> id type x y z radius mass f_floor[1] f_floor[2] f_floor[3] &
+            f_floor[4] f_floor[5] f_floor[6] f_floor[7] f_roof[1] f_roof[2] f_roof[3] f_roof[4] &
+            f_roof[5] f_roof[6] f_roof[7]
+dump        contacts all local 1 <file_contacts> index c_sp_id[1] c_sp_id[2] c_sp_contact[1] c_sp_contact[2] &
+            c_sp_contact[3] c_sp_contact[4] c_sp_contact[5]
+dump_modify grains format float %.17g sort id
+dump_modify contacts format float %.17g
+run         0 post no
+undump      grains
+undump      contacts
+print       "steps $(step) acceleration $(v_largest:%.10g) top $(v_top:%.17g)" &
+            file <result> screen no
+quit
+"""

@@ -1,0 +1,185 @@
+"""What to read of other programs' files and how: options, keys, and which column means what."""
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from .._core import FileError, InvalidInput
+from .._records import Material
+from ._faults import bad_file, bad_option
+from .sheet import Sheet, number
+
+NAN = math.nan
+SIDES = ("bottom", "top", "left", "right", "front", "back")
+CELLS = ("piston", "periodic", "box")
+WALLS = ("rigid", "grain", "elastic")
+
+#: keys that are numbers, with the least and the largest
+_NUMBERS = {**{key: (0.0, math.inf) for key in ("width", "depth", "height", "pressure")},
+            **{key: (-math.inf, math.inf) for key in (*SIDES, "xy", "xz", "yz", "gravity")},
+            "friction": (0.0, 1e6), "poisson": (0.0, 0.5)}
+#: keys that are words, and what they may be
+_WORDS = {"cell": CELLS, "up": ("x", "y", "z"), "sides": ("open", "periodic"), "across": ("drop",), "digits": ("exact",),
+          "wall": WALLS, "dimension": ("2", "3")}
+_KEYS = ("dimension, up, cell, sides, across, width, depth, bottom, top, height, left, right, front, back, xy, xz, yz, gravity, "
+         "pressure, friction, poisson, wall, digits, first_id")
+#: those that the head of a file may say
+SAID = ("dimension", "cell", "width", "depth", "height", *SIDES, "xy", "xz", "yz", "gravity", "friction", "poisson", "wall",
+        "pressure")
+
+
+@dataclasses.dataclass
+class Options:
+    """What is None or missing in `keys` follows from the files; docs/formats.md says how. Lengths and forces of the files
+    are multiplied by the units, and are then in the units of the material; without a material they must be in d and
+    E* d^2. Keys are in the units of the files; kn and thickness in those of the material."""
+
+    form: str = "auto"
+    contacts: str | None = None
+    walls: str | None = None
+    columns: str | None = None
+    types: str | None = None
+    frame: int | None = None
+    material: Material | None = None
+    length_unit: float = 1.0
+    force_unit: float = 1.0
+    mass_unit: float = 1.0
+    kn: float = NAN
+    kt_ratio: float = NAN
+    thickness: float = NAN
+    rest: bool = False
+    threads: int = 1
+    keys: dict[str, Any] = dataclasses.field(default_factory=dict)
+
+    def number(self, key: str) -> float:
+        """The number of a key; NaN if it is not given."""
+        return float(self.keys.get(key, NAN))
+
+    def given(self, *keys: str) -> bool:
+        return any(key in self.keys for key in keys)
+
+    def is_on(self, key: str, word: str) -> bool:
+        return bool(self.keys.get(key) == word)
+
+
+def read_key(name: str, value: str) -> Any:
+    """The value of a key, checked."""
+    if name in _NUMBERS:
+        low, high = _NUMBERS[name]
+        found = number(value)
+        if not low <= found <= high:
+            raise bad_option(f" = '{value:.60}': must be {'a finite number >= 0' if low == 0 else 'a finite number'}", name)
+        return found
+    if name in _WORDS:
+        words = _WORDS[name]
+        if value not in words:
+            listed = f"{', '.join(words[:-1])} or {words[-1]}" if len(words) > 1 else words[0]
+            raise bad_option(f" = '{value:.60}': must be {listed}", name)
+        return value
+    if name == "first_id":
+        if not re.fullmatch(r"\+?\d{1,18}", value):
+            raise bad_option(f" = '{value:.60}': must be a whole number >= 0", name)
+        return int(value)
+    raise bad_option(f"'{name:.60}={value:.60}': must be key=value with one of the keys {_KEYS}")
+
+
+def read_keys(texts: Iterable[str]) -> dict[str, Any]:
+    """The keys of "key=value" or "packing.key=value"."""
+    keys = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        name = name.strip().removeprefix("packing.")
+        if not equals:
+            raise bad_option(f"'{text:.60}': must be key=value with one of the keys {_KEYS}")
+        keys[name] = read_key(name, value.strip().strip('"'))
+    return keys
+
+
+def keys_of(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Keys from Python's values."""
+    return {name: read_key(name, value if isinstance(value, str) else repr(value)) for name, value in values.items()}
+
+
+# ---- columns --------------------------------------------------------------------------------------------------------
+
+#: the names that programs give to their columns; sp_id, sp_contact and sp_gran are the computes of share/sonopack
+USUAL = {
+    "id": "id ID Id c_sp_wall[3]", "type": "type matId species info mol element", "x": "x xu xs xsu X",
+    "y": "y yu ys ysu Y", "z": "z zu zs zsu Z", "radius": "radius r R rad Radius", "diameter": "diameter d D",
+    "mass": "mass m masses", "inertia": "inertia", "density": "density", "boundary": "boundary",
+    **{side: "" for side in SIDES},
+    "id1": "id1 i patom1 c_sp_id[1] c_sp_gran[1]", "id2": "id2 j patom2 c_sp_id[2] c_sp_gran[2]",
+    "overlap": "overlap penetrationDepth c_sp_gran[13]", "fn": "fn Fn force c_sp_contact[2]", "ft": "ft Ft",
+    "ft_x": "ft_x Ftx p1 c_sp_contact[3] c_sp_gran[10]", "ft_y": "ft_y Fty p2 c_sp_contact[4] c_sp_gran[11]",
+    "ft_z": "ft_z Ftz p3 c_sp_contact[5] c_sp_gran[12]", "t_x": "t_x", "t_y": "t_y", "t_z": "t_z",
+    "fn_x": "fn_x c_sp_gran[7]", "fn_y": "fn_y c_sp_gran[8]", "fn_z": "fn_z c_sp_gran[9]", "f_x": "f_x c_sp_wall[4]",
+    "f_y": "f_y c_sp_wall[5]", "f_z": "f_z c_sp_wall[6]", "p_x": "p_x", "p_y": "p_y", "p_z": "p_z", "kn": "kn", "kt": "kt ks"}
+_OF_CONTACTS = list(USUAL)[list(USUAL).index("id1"):]
+
+#: a column of a sheet and the sign that its numbers get
+Column = tuple[int, float]
+
+
+class Roles:
+    """Which column of a sheet has which role: by the option --columns, or by its usual name."""
+
+    def __init__(self, text: str | None) -> None:
+        self.named: dict[str, tuple[str, float]] = {}
+        self.used: set[str] = set()
+        for word in filter(None, (text or "").split(",")):
+            role, _, name = word.partition("=")
+            if role not in USUAL or not name:
+                raise bad_option(f"--columns {role:.40}: must be ROLE=COLUMN, separated by commas, with a role of: "
+                                 + " ".join(USUAL))
+            self.named[role] = (name.removeprefix("-"), -1.0 if name.startswith("-") else 1.0)
+
+    def find(self, sheet: Sheet, role: str) -> Column | None:
+        if role in self.named:
+            name, sign = self.named[role]
+            if name in sheet.names:
+                self.used.add(role)
+                return sheet.names.index(name), sign
+        return next(((sheet.names.index(name), 1.0) for name in USUAL[role].split() if name in sheet.names), None)
+
+    def need(self, sheet: Sheet, role: str) -> Column:
+        found = self.find(sheet, role)
+        if found is None:
+            raise bad_file(f"{sheet.file}: no column for {role}; its columns are: {sheet.listed()}-- name it by --columns "
+                           f"{role}=COLUMN")
+        return found
+
+    def axis_sign(self, axis: int) -> float:
+        """-1 if the option turns this axis of the file, as y=-y does."""
+        return self.named.get("xyz"[axis], ("", 1.0))[1]
+
+    def vector(self, sheet: Sheet, role: str, axes: list[int]) -> list[Column] | None:
+        """The columns role_x, ... along the axes of the packing. Components along an axis that is turned change their
+        signs, unless the option names their own columns."""
+        found = []
+        for axis in "xyz":  # those of axes that the packing does not have are named all the same
+            self.find(sheet, f"{role}_{axis}")
+        for axis in axes:
+            name = f"{role}_{'xyz'[axis]}"
+            column = self.find(sheet, name)
+            if column is not None:
+                found.append((column[0], column[1] * (1.0 if name in self.named else self.axis_sign(axis))))
+        if found and len(found) < len(axes):
+            raise bad_file(f"{sheet.file}: {len(found)} of {len(axes)} columns of {role}_x, {role}_y"
+                           f"{', ...' if len(axes) == 3 else ''}; must be all or none")
+        return found or None
+
+    def check(self, grains: Sheet, contacts: Sheet | None) -> None:
+        """Refuses roles of the option that no sheet has."""
+        for role, (name, _) in self.named.items():
+            if role in self.used or role in SIDES:
+                continue
+            sheet = contacts if contacts is not None and role in _OF_CONTACTS else grains
+            raise bad_option(f"--columns {role}={name}: {sheet.file} has no such column; its columns are: {sheet.listed()}")
+
+
+def as_file_fault(fault: InvalidInput | FileError) -> InvalidInput:
+    """A fault of options that no user has given is one of the file."""
+    return bad_file(str(fault))

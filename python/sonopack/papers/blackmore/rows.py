@@ -1,0 +1,158 @@
+"""Rows: a published value or claim beside ours, the verdict, their table and their report."""
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from ..._table import Table
+from .. import published
+from ..page import Page
+from ..work import Work
+
+_COMMENTS = (
+    "Blackmore et al., J. Mech. Mater. Struct. 6 (2011), beside our values; units cm, g, s",
+    "paper: what is printed, or what follows from a printed equation or claim; nan: no number is given",
+    "precision: how sharply it is printed, or a claim in words is meant; relation: what it says of ours",
+    "err: bound of our error, or an estimate (see the note); 0: rounding alone, nan: none, as the note says",
+    "verdict agrees: the relation holds within precision and err; deviates: it does not",
+    "verdict erratum: the paper is wrong by its own premises, and ours is right; paper nan: no number is wrong",
+    "verdict not given: the paper has no number; missing: there is none of ours",
+    "claims in words: verdict holds, contradicted, or undecided where ours lies within its error of the limit")
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """A value of the paper, which may be NAN, and ours. err: bound of our error, 0 for rounding alone, NAN if none is
+    known. detail: left out of the report."""
+
+    item: str
+    equation: str
+    quantity: str
+    unit: str
+    relation: str
+    paper: float
+    precision: float
+    ours: float
+    err: float
+    kind: str
+    note: str
+    detail: bool = False
+
+    @property
+    def _error(self) -> float:
+        return self.err if math.isfinite(self.err) else 0.0
+
+    def holds(self) -> bool:
+        """Whether the relation is true of our value, within precision and error."""
+        return {">": self.ours - self._error > self.paper, "<": self.ours + self._error < self.paper,
+                "=": abs(self.ours - self.paper) <= self.precision + self._error}[self.relation]
+
+    def is_near(self) -> bool:
+        """Whether our value lies within its error of the limit."""
+        off = abs(self.ours - self.paper)
+        if self.relation == "=":
+            return self.precision < off <= self.precision + self._error and self._error > self.precision
+        return off <= self._error
+
+    @property
+    def verdict(self) -> str:
+        """By kind, whether the relation holds: what the table says."""
+        if math.isnan(self.ours):
+            return "missing"
+        if math.isnan(self.paper):
+            return "erratum" if self.kind == "erratum" else "not given"
+        if self.kind == "claim" and self.is_near():
+            return "undecided"
+        return _VERDICTS[self.kind][self.holds()]
+
+
+_VERDICTS = {"claim": ("contradicted", "holds"), "erratum": ("erratum", "agrees"), "value": ("deviates", "agrees")}
+
+
+def add(work: Work, key: str, ours: float, err: float | None = None, *, paper: float | None = None,
+        detail: bool = False, **words: object) -> None:
+    """Adds the row `key` of rows.tsv with our value. err, paper: where they are computed. words: of quantity and note."""
+    row = published.by_key("blackmore", "rows")[key]
+    work.rows.append(Row(
+        row["item"], row["equation"], row["quantity"].format(**words), row["unit"], row["relation"],
+        float(row["paper"]) if paper is None else float(paper), float(row["precision"]), float(ours),
+        float(row["err"]) if err is None else float(err), row["kind"], row["note"].format(**words), detail))
+
+
+def table(rows: list[Row]) -> Table:
+    """The rows as a table."""
+    text = {"item": [row.item for row in rows], "equation": [row.equation for row in rows],
+            "quantity": [row.quantity for row in rows], "unit": [row.unit or "-" for row in rows],
+            "relation": [row.relation for row in rows]}
+    numbers = {name: [getattr(row, name) for row in rows] for name in ("paper", "precision", "ours", "err")}
+    rest = {"verdict": [row.verdict for row in rows], "note": [row.note or "-" for row in rows]}
+    columns = [{name: np.array(cells, str) for name, cells in text.items()},
+               {name: np.array(cells, float) for name, cells in numbers.items()},
+               {name: np.array(cells, str) for name, cells in rest.items()}]
+    out = Table.from_columns({name: cells for part in columns for name, cells in part.items()})
+    for line in _COMMENTS:
+        out.add_comment(line)
+    return out
+
+
+# ---- the report -----------------------------------------------------------------------------------------------------
+
+_HEAD = ("item", "in [B]", "quantity", "paper", "ours", "verdict", "note")
+
+
+def _number(x: float, error: float, before: str = "") -> str:
+    if math.isnan(x):
+        return "–"
+    if math.isinf(x):
+        return f"{before}{'-' if x < 0 else ''}∞"
+    return f"{before}{x:.7g}" + (f" +- {error:.2g}" if error > 1e-6 * abs(x) else "")
+
+
+def _cells(row: Row) -> list[str]:
+    before = "" if row.relation == "=" else f"{row.relation} "
+    return [row.item, row.equation, row.quantity + (f" [{row.unit}]" if row.unit else ""),
+            _number(row.paper, row.precision, before), _number(row.ours, row.err), row.verdict, row.note]
+
+
+class Report:
+    """What the report says beside the items."""
+
+    TITLE = "Tapping dynamics for a column of particles and beyond, computed again"
+    OPENING = (
+        "Figures, equations and claims of D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. Mater. "
+        "Struct. 6 (2011), [B], beside what its model gives. Units: cm, g, s. The lattice is solved exactly, from event to "
+        "event, with contacts that stick.")
+    FILES = ("The rows of each item are in a file of its name: errata.tsv, fig1.tsv; the numbers behind each figure in files "
+             "whose names begin with that of the item.")
+
+    def table(self, work: Work) -> Table:
+        return table(work.rows)
+
+    def summary(self, work: Work, page: Page) -> None:
+        found = [row.verdict for row in work.rows]
+        claims = sum(found.count(verdict) for verdict in ("holds", "contradicted", "undecided"))
+        faults = [row for row in work.rows if row.verdict in ("deviates", "contradicted", "undecided")]
+        page.paragraph(
+            f"Of {len(found) - claims} values {found.count('agrees')} agree with the paper, {found.count('deviates')} "
+            f"deviate, {found.count('erratum')} are errata, and {found.count('not given')} are not given there; of {claims} "
+            f"claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted and "
+            f"{found.count('undecided')} are undecided.{' What deviates or does not hold:' if faults else ''}")
+        page.table(_HEAD, [(row.verdict, _cells(row)) for row in faults], True)
+        page.paragraph(
+            "Paper: what is printed, with the precision of the print, or what follows from a printed equation or claim. Ours: "
+            "with a bound of our error where it is not rounding alone. Agrees: within both. Deviates: not so. Erratum: the "
+            "paper is wrong by its own premises, and ours is right. Not given: the paper has no number, often only a picture. "
+            "Claims in words and theorems hold, are contradicted, or are undecided where ours lies within its error of the "
+            "limit; the note says what was computed.", "How to read the tables.")
+
+    def tables(self, work: Work, page: Page, item: str) -> None:
+        shown = [row for row in work.rows if row.item == item and not row.detail]
+        page.table(_HEAD[1:], [(row.verdict, _cells(row)[1:]) for row in shown], True)
+
+    def save_rows(self, work: Work, item: str) -> None:
+        work.save_table(item, table([row for row in work.rows if row.item == item]))
+
+    def run(self, work: Work) -> str:
+        return f"blackmore2011; {work.watch.seconds:.1f} seconds."

@@ -1,0 +1,247 @@
+"""Claims in words and theorems, tested by computation: integrability, long cycles, parameters, long-term trends, and the
+hybrid scheme."""
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from ..._chain import chain_front
+from ..._column import Column
+from ..._core import Floats, SonopackError
+from ..work import Work
+from .paper_column import GRAVITY, RESTITUTION, coefficients, column, separation, speed2, stiff
+from .rows import add
+
+
+def make(work: Work, tell: Callable[[float], None]) -> None:
+    _integrability(work)
+    _painleve(work)
+    _solitons(work)
+    _burgers(work)
+    tell(0.5)
+    _periods(work)
+    for a, f in ((2, 5.5), (2, 7.5), (2, 10), (1, 7.5)):
+        _choice(work, a, f)
+    for n in (5, 10):
+        _trend(work, n)
+    _hybrids(work)
+
+
+# ---- (22) -----------------------------------------------------------------------------------------------------------
+
+def _integrability(work: Work) -> None:
+    """Without taps and dissipation (22) is a Hamiltonian system. If it were integrable, no exponent would be positive."""
+    period = 0.2
+    for n in (1, 2, 3, 5):
+        c = column(n, e=0.0, amplitude=0.0, drop=0.1, period=period, stiffness=100 * n * 1.0 * GRAVITY, taps=1000)
+        found = c.lyapunov()
+        add(work, "integrable", found.lambda_ / period, found.error / period, n=n,
+            order="violated" if found.violated else "holds")
+    work.say("claims",
+             "A single elastic particle is integrable, as every system of one degree of freedom. Two and more are chaotic: "
+             "their contacts open and close, and (22) is not integrable.")
+
+
+# ---- (35), (37), (45) -----------------------------------------------------------------------------------------------
+
+def _painleve(work: Work) -> None:
+    """With e = 0, w = y_z obeys w_tt = (a w + b w^2 + d w^3/3)_zz + f w_zzzz. About a singularity w = alpha/phi with alpha^2
+    = -6 f/d, an arbitrary function enters with phi^(r - 1) at each resonance r; here (r - 3)(r - 4)(f (r - 1)(r - 2) + d
+    alpha^2) = 0. Two equal resonances bring in a logarithm, so that the equation fails Painleve's test, which integrable
+    equations pass. (37) has the same d and f with the other sign."""
+    c = column(10)
+    r = c.radius()
+    h = 2 * r
+    minus, unit = coefficients(r, 1 / h)[1], c.stiffness * math.pow(h, 4) / c.mass()
+    f, d = unit * minus / 36, unit * 2 * r * (1 / h)
+    root = math.sqrt(9 - 4 * (2 + d * (-6 * f / d) / f))
+    resonances = [0.5 * (3 - root), 3.0, 4.0, 0.5 * (3 + root)]
+    equal = sum(abs(a - b) < 1e-12 for a, b in itertools.combinations(resonances, 2))
+    add(work, "painleve", equal, r=resonances)
+
+
+def _largest_growth(c: Column, model: str) -> float:
+    """Of waves longer than two of the paper's cells."""
+    h, k, growth = 2 * c.radius(), 0.01, 0.0
+    while k <= math.pi / 0.01:
+        growth = max(growth, c.symbol(model, k, alpha=1 / h).growth)
+        k *= 1.01
+    return growth
+
+
+def _solitons(work: Work) -> None:
+    c = column(10, e=0.0)
+    for model in ("eq35", "eq37"):
+        add(work, f"solitons-{model}", _largest_growth(c, model))
+    half, whole = (chain_front(n) for n in (5000, 10000))
+    add(work, "pulse", math.log(half.amplitude / whole.amplitude) / math.log(2.0))
+
+
+def _force(c: Column, z: Floats) -> Floats:
+    """With e = 0 the force of (45) depends on z alone, and (45) is u_t + u u_z = f(z): each point moves in the field f like a
+    particle. f at z, by Simpson's rule."""
+    cells, h = 64, 2 * c.radius()
+    y = np.array([-h + 2 * h * k / cells for k in range(cells + 1)])
+    weight = np.where(np.arange(cells + 1) % 2, 4.0, 2.0)
+    weight[[0, -1]] = 1
+    off = (z[..., None] + y - 7 * h) / (3 * h)
+    integral = np.sum(weight * np.exp(-0.5 * off * off) * (h - np.abs(y)), axis=-1) * 2 * h / cells / 3 / (
+        7 * h * math.sqrt(2 * math.pi))
+    return -GRAVITY - c.stiffness / c.mass() * integral
+
+
+def _meeting(c: Column, until: float) -> float:
+    """When the first two points meet, of pairs 1e-4 cm apart, at rest every 0.25 cm; at most `until`. Where f falls with
+    height, neighbours meet and the smooth solution ends."""
+    z, step, t = np.arange(0, 2 * c.particles * c.radius(), 0.25), 1e-4, 0.0
+    x = np.stack([z, z + 1e-4])
+    v = np.zeros_like(x)
+    while t < until:  # leapfrog
+        half = v + 0.5 * step * _force(c, x)
+        x = x + step * half
+        v = half + 0.5 * step * _force(c, x)
+        if np.any(x[1] <= x[0]):
+            return t + step
+        t += step
+    return until
+
+
+def _burgers(work: Work) -> None:
+    c = column(10, e=0.0, model="bsr", bsr="literal")
+    run = c.run([])
+    add(work, "lost", run.violated_at, run.time_step)
+    add(work, "burgers", _meeting(c, 4.0))
+
+
+# ---- Theorem 1 ------------------------------------------------------------------------------------------------------
+
+LONGEST, STARTS, ROUNDS = 12, 60, 40
+
+
+def _newton(c: Column, period: int, state: Floats) -> tuple[float, Floats]:
+    """A fixed point of `period` taps, N = 1, by Newton's method: the final residual, infinite after a failure."""
+    x, residual = state.copy(), math.inf
+    for _ in range(ROUNDS):
+        try:
+            after, d = c.map(x, period)
+        except SonopackError:
+            return math.inf, x
+        if not np.isfinite(after).all():
+            return math.inf, x
+        (r0, r1), (a, b), (e, f) = (float(s) for s in (after - x)[:, 0]), (float(d[0, 0] - 1), float(d[0, 1])), (
+            float(d[1, 0]), float(d[1, 1] - 1))
+        det = a * f - b * e
+        residual = abs(r0) + abs(r1)
+        if residual < 1e-9 or not math.isfinite(det) or det == 0:
+            break
+        x = x - np.array([[(f * r0 - b * r1) / det], [(a * r1 - e * r0) / det]])
+        if not (abs(x[0, 0]) < 1e3 and abs(x[1, 0]) < 1e4):
+            return math.inf, x
+    return residual, x
+
+
+def _is_shorter(c: Column, period: int, x: Floats) -> bool:
+    """Whether the orbit returns to x after fewer than `period` taps."""
+    state = x
+    for k in range(1, period):
+        try:
+            state, _ = c.map(state)
+        except SonopackError:
+            return True
+        if period % k == 0 and float(np.abs(state - x).sum()) < 1e-6:
+            return True
+    return False
+
+
+def _periods(work: Work) -> None:
+    c = column(1, stiffness=stiff(100), amplitude=0.584)  # chaotic, see the item chaos
+    state, found = c.map(c.start(), 200)[0], set()
+    for _ in range(STARTS):
+        state, _ = c.map(state)
+        for period in set(range(1, LONGEST + 1)) - found:
+            residual, x = _newton(c, period, state)
+            if residual < 1e-9 and not _is_shorter(c, period, x):
+                found.add(period)
+    add(work, "cycles", max(found, default=0), found=", ".join(map(str, sorted(found))), tried=LONGEST)
+
+
+# ---- Section 2 ------------------------------------------------------------------------------------------------------
+
+def _choice(work: Work, amplitude: float, frequency: float) -> None:
+    """The paper's choice N >= 20, T = 1, pi/omega < 1/10, a <= 1/50, r < 1/100, m < 1/20, read in m, kg and s; these are
+    values at its edge."""
+    run = column(20, mass=40.0, radius=0.9, amplitude=float(amplitude), frequency=float(frequency), taps=10).run([])
+    rest = [tap.rest for tap in run.taps]
+    add(work, "choice-order", separation(run), a=amplitude, f=frequency)
+    add(work, "choice-rest", max(rest) if np.isfinite(rest).all() else math.inf, a=amplitude, f=frequency)
+
+
+def _trend(work: Work, n: int) -> None:
+    """Densities at .99T of many taps."""
+    taps = 200
+    c = column(n, taps=taps)
+    run = c.run([(k + 0.99) * c.period for k in range(taps)])
+    before, quarter, late = (c.density(y) for y in (np.append(0.0, c.rest()), run.y[taps // 4 - 1], run.y[-1]))
+    add(work, "denser", late - before, taps=taps, n=n)
+    add(work, "trend", late - quarter, quarter=taps // 4, taps=taps, n=n)
+
+
+# ---- Section 4 ------------------------------------------------------------------------------------------------------
+
+@dataclasses.dataclass(frozen=True)
+class Grid:
+    """A grid for the ten particles of Fig. 1, 20 cm high."""
+
+    cells: int
+    dz: float
+    dt: float
+    steps: int
+
+
+def _rate(c: Column, e: float, dz: float, y: Floats, v: Floats) -> Floats:
+    """Right-hand side of (37) with (38), by central differences at the nodes 2 .. cells - 2; v: velocities."""
+    r = c.radius()
+    h = 2 * r
+    alpha = 1 / h
+    plus, minus, b = coefficients(r, alpha)
+    here, up, down = y[2:-2], y[3:-1], y[1:-3]
+    z, zz = (up - down) / (2 * dz), (up - 2 * here + down) / (dz * dz)
+    zzzz = (y[4:] - 4 * up + 6 * here - 4 * down + y[:-4]) / math.pow(dz, 4)
+    tz, tzz = (v[3:-1] - v[1:-3]) / (2 * dz), (v[3:-1] - 2 * v[2:-2] + v[1:-3]) / (dz * dz)
+    bracket = plus * zz / 3 - h / 3 * (b * z + e * alpha * plus * tz) * zz + h * h * (
+        minus * zzzz / 36 + alpha * (2 * r * z * z * zz + e * b * z * zz * tz + e * plus * zz * tzz / 6))
+    return -GRAVITY - speed2(c) * bracket
+
+
+def _breakdown(g: Grid, e: float) -> float:
+    """The time at which the scheme with dissipation e in (37) breaks down: a point is farther away than 10 m, or the end. It
+    begins from (39); above the top of the lattice the force is zero."""
+    c = column(10)
+    tops = c.run(np.arange(g.steps) * g.dt).y[:, 10] + 1
+    places = g.dz * np.arange(g.cells + 1)
+    y, old, v = places.copy(), places.copy(), np.zeros(g.cells + 1)
+    for k in range(g.steps):
+        t = (k + 1) * g.dt
+        force = np.full(g.cells + 1, -GRAVITY)
+        inside = places[2:-2] < tops[k]
+        with np.errstate(over="ignore", invalid="ignore"):
+            force[2:-2] = np.where(inside, _rate(c, e, g.dz, y, v), -GRAVITY)
+            after = 2 * y - old + g.dt * g.dt * force
+        after[0] = c.floor(t)[0]
+        after[1] = after[0] + g.dz  # no gravity at the floor, which moves this node
+        if not np.all(np.abs(after) < 1e3):
+            return t
+        v, old, y = (after - y) / g.dt, y, after
+    return g.steps * g.dt
+
+
+def _hybrids(work: Work) -> None:
+    """With the paper's steps, and with stable steps. In the latter case the time does not depend on the grid, so it is the
+    equation that breaks down. (With dissipation it does so earlier on finer grids.)"""
+    add(work, "hybrid-printed", _breakdown(Grid(2000, 0.01, 0.01, 400), RESTITUTION))
+    coarse, fine = _breakdown(Grid(100, 0.2, 1e-5, 2000), 0.0), _breakdown(Grid(200, 0.1, 1e-5, 2000), 0.0)
+    add(work, "hybrid-stable", fine, abs(fine - coarse) + 1e-5)

@@ -1,0 +1,157 @@
+"""Figures of curves in panels, and the numbers behind them."""
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from .._core import Floats
+from .._table import Table
+from ..plot._frame import GREY, dash, ink, inset, legend, panels, save, styled, tag
+
+__all__ = ["Curve", "Panel", "Sheet", "save"]
+
+Limits = tuple[float | None, float | None]
+
+
+def formula(markup: str) -> str:
+    """The text of a figure: |x| is italic, _{x} and ^{x} are lowered and raised."""
+    def piece(match: re.Match[str]) -> str:
+        italic, sign, inside = match.groups()
+        if italic is not None:
+            return f"${italic}$".replace(" ", r"\,")
+        words = re.sub(r"\|([^|]*)\|", r"}\1\\mathrm{", inside)
+        return f"${sign}{{\\mathrm{{{words}}}}}$".replace(r"\mathrm{}", "")
+    return re.sub(r"\|([^|]*)\||([_^])\{([^}]*)\}", piece, markup)
+
+
+def plain(markup: str) -> str:
+    """The same for a table: "c_tof"."""
+    return re.sub(r"[|{}]", "", markup)
+
+
+@dataclasses.dataclass
+class Curve:
+    """A curve, whose points that are not finite make gaps. ink: -1 is grey. dash: None for marks without a line. error:
+    standard errors; lower, upper: edges of a light band. open: marks are filled with white."""
+
+    x: Floats
+    y: Floats
+    label: str = ""
+    error: Floats | None = None
+    lower: Floats | None = None
+    upper: Floats | None = None
+    ink: int = 0
+    dash: int | None = 0
+    mark: str = ""
+    open: bool = False
+    width: float = 1.0
+
+    def draw(self, ax: Axes) -> None:
+        colour = GREY if self.ink < 0 else ink(self.ink)
+        look: dict[str, Any] = {"color": colour, "lw": self.width, "ls": "none" if self.dash is None else dash(self.dash),
+                                "marker": self.mark or None, "label": formula(self.label) or None}
+        if self.open:
+            look["mfc"] = "white"
+        if self.lower is not None and self.upper is not None:
+            ax.fill_between(self.x, self.lower, self.upper, color=colour, alpha=0.25, lw=0)
+        if self.error is not None and np.isfinite(self.error).any():
+            ax.errorbar(self.x, self.y, np.where(np.isfinite(self.error), self.error, 0), elinewidth=0.7, **look)
+        else:
+            ax.plot(self.x, self.y, **look)
+
+    def points(self) -> list[Floats]:
+        """x, y, error, lower and upper of each point."""
+        none = np.full(len(self.x), np.nan)
+        given = (self.x, self.y, self.error, self.lower, self.upper)
+        return [none if each is None else np.asarray(each, float) for each in given]
+
+
+@dataclasses.dataclass
+class Panel:
+    """Axes with curves. log: "x", "y" or "xy". zero: a thin line at y = 0. room: width and height of an inset, as parts of
+    the panel around it."""
+
+    curves: list[Curve]
+    xlabel: str
+    ylabel: str
+    tag: str = ""
+    log: str = ""
+    x: Limits = (None, None)
+    y: Limits = (None, None)
+    zero: bool = False
+    inset: Panel | None = None
+    room: tuple[float, float] = (0.46, 0.46)
+
+    def draw(self, ax: Axes) -> None:
+        if "x" in self.log:
+            ax.set_xscale("log")
+        if "y" in self.log:
+            ax.set_yscale("log", nonpositive="clip")
+        for curve in self.curves:
+            curve.draw(ax)
+        if self.zero:
+            ax.axhline(0, color="black", lw=0.4, zorder=0)
+        ax.set_xlabel(formula(self.xlabel))
+        ax.set_ylabel(formula(self.ylabel))
+        ax.set_xlim(*self.x)
+        ax.set_ylim(*self.y)
+        if self.inset is not None:
+            self.inset.draw(inset(ax, *self.room))
+
+    def rows(self, name: str) -> tuple[list[tuple[str, int, str]], list[list[Floats]]]:
+        """Panel, number and label of each point, and its numbers; those of the inset follow."""
+        words, numbers = [], []
+        for k, curve in enumerate(self.curves):
+            words += [(name, k + 1, plain(curve.label))] * len(curve.x)
+            numbers.append(curve.points())
+        if self.inset is not None:
+            more = self.inset.rows(f"{name} inset".strip() if name else " inset")
+            words, numbers = words + more[0], numbers + more[1]
+        return words, numbers
+
+
+@dataclasses.dataclass
+class Sheet:
+    """Panels in rows of `columns`. aspect: height of a panel over its width."""
+
+    panels: Sequence[Panel]
+    columns: int = 1
+    aspect: float = 0.75
+    width: float | None = None
+
+    def draw(self) -> Figure:
+        """The figure of all panels."""
+        figure: Figure = self._axes()[0].figure
+        return figure
+
+    @styled
+    def _axes(self) -> Any:
+        axes = panels(len(self.panels) // self.columns, self.columns, aspect=self.aspect, width=self.width).ravel()
+        for ax, panel in zip(axes, self.panels):
+            panel.draw(ax)
+            if panel.tag:
+                tag(ax, formula(panel.tag))
+            legend(ax)
+        return axes
+
+    def table(self) -> Table:
+        """The points of all curves."""
+        words: list[tuple[str, int, str]] = []
+        numbers: list[list[Floats]] = []
+        for panel in self.panels:
+            more = panel.rows(plain(panel.tag))
+            words, numbers = words + more[0], numbers + more[1]
+        names, counts, labels = ([each[k] for each in words] for k in range(3))
+        columns = [np.concatenate([each[k] for each in numbers]) for k in range(5)]
+        table = Table.from_columns({"panel": np.array(names, str), "curve": counts, "label": np.array(labels, str),
+                                    **dict(zip(("x", "y", "error", "lower", "upper"), columns))})
+        for panel in self.panels:
+            name = plain(panel.tag)
+            table.add_comment(f"{name}{': ' if name else ''}x: {plain(panel.xlabel)}; y: {plain(panel.ylabel)}")
+        return table

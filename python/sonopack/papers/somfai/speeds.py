@@ -1,0 +1,161 @@
+"""Fig. 8: speeds against pressure, of packings and of triangular lattices."""
+from __future__ import annotations
+
+import dataclasses
+import math
+
+import numpy as np
+
+from ..._core import Floats, call
+from ..._native import ffi, lib
+from ..._study import Store
+from ..sheet import Curve, Panel, Sheet
+from ..work import hypot
+from .samples import PRESSURES, SomfaiWork, member
+from .verdict import Row, mean_of
+
+NAMES = ("smooth", "friction")
+
+
+# ---- lattices -------------------------------------------------------------------------------------------------------
+
+def lattice_speed(p: float, eta: float) -> float:
+    """Eq. (18) for eta = 0, Eq. (19) otherwise."""
+    return math.pow(3, 19.0 / 12) / (math.pow(2, 1.5) * math.sqrt(math.pi)) * math.sqrt(1 + eta / 3) * math.pow(p, 1.0 / 6)
+
+
+def _arrivals(work: SomfaiWork, ensemble: str, friction: bool, p: float) -> list[tuple[float, float]]:
+    """Heights and arrival times in lattices of one kind, without that of Fig. 12."""
+    made = work.sets[ensemble]
+    lowest = made[-1].height / 5 if made else 0.0
+    return [(sample.height, sample.front.t10) for sample in made
+            if (sample.friction > 0) == friction and abs(sample.pressure - p) <= 1e-9 * p and sample.front is not None
+            and sample.height >= lowest]
+
+
+def lattice_small(work: SomfaiWork, friction: bool, p: float) -> float:
+    """Speed from heights of about 8 and 24, as for packings; NAN without these samples."""
+    found = _arrivals(work, "lattice", friction, p)
+    if len(found) < 2:
+        return math.nan
+    (h0, t0), (h1, t1) = found[:2]
+    return (h1 - h0) / (t1 - t0)
+
+
+def lattice_long(work: SomfaiWork, friction: bool) -> tuple[float, float]:
+    """Speed at p = 5e-7 from three heights, with the arrival time H/c + a + b H^(1/3) (Eq. (16)), and that between the two
+    highest, about 80 and 160."""
+    found = _arrivals(work, "lattice-long", friction, 5e-7)[:3]
+    if len(found) < 3:
+        return math.nan, math.nan
+    (h0, t0), (h1, t1), (h2, t2) = found
+    h10, h21, t10, t21 = h1 - h0, h2 - h1, t1 - t0, t2 - t1
+    r10, r21 = float(np.cbrt(h1) - np.cbrt(h0)), float(np.cbrt(h2) - np.cbrt(h1))
+    return (h10 * r21 - h21 * r10) / (t10 * r21 - t21 * r10), h21 / t21
+
+
+# ---- packings -------------------------------------------------------------------------------------------------------
+
+@dataclasses.dataclass
+class Speeds:
+    """Speeds against pressure, without those that are not known."""
+
+    p: Floats
+    c: Floats
+    err: Floats
+
+    @classmethod
+    def of(cls, rows: list[tuple[float, float, float]]) -> Speeds:
+        known = np.array([row for row in rows if math.isfinite(row[1])], float).reshape(-1, 3)
+        return cls(*known.T)
+
+    def last(self) -> tuple[float, float]:
+        """The speed at the largest pressure, and its error."""
+        return (float(self.c[-1]), float(self.err[-1])) if len(self.c) else (math.nan, math.nan)
+
+    def exponent(self) -> tuple[float, float]:
+        """The exponent of p, and its standard error."""
+        if len(self.p) < 3:
+            return math.nan, math.nan
+        out, arrays = ffi.new("double[3]"), [np.ascontiguousarray(each) for each in (self.p, self.c, self.err)]
+        p, c, err = (ffi.cast("double *", each.ctypes.data) for each in arrays)
+        call(lib.sp_fit_power, len(self.p), p, c, err if np.all(self.err > 0) else ffi.NULL, out, out + 1, out + 2)
+        return float(out[0]), float(out[1])
+
+
+def _front_speeds(work: SomfaiWork) -> Speeds:
+    both = work.sets["low"] + work.sets["square"]
+    if not both:
+        return Speeds.of([])
+    table = Store(work.folder_of_store).table("ctof", samples=both)
+    return Speeds.of(list(zip(*(map(float, table[name]) for name in ("p", "c_tof", "c_tof_err")))))
+
+
+def _wave_speeds(work: SomfaiWork, name: str) -> Speeds:
+    means = [(p, mean_of(Row("", ""), map(member(f"moduli.{name}"), work.some("square", p, parts="moduli"))))
+             for p in PRESSURES]
+    return Speeds.of([(p, row.ours, row.err) for p, row in means])
+
+
+# ---- rows -----------------------------------------------------------------------------------------------------------
+
+def make(work: SomfaiWork, item: str) -> None:
+    tof, fast, slow = _front_speeds(work), _wave_speeds(work, "c_l"), _wave_speeds(work, "c_t")
+    work.state("c_tof", *tof.last())
+    for name, speeds in (("c_tof", tof), ("c_l", fast), ("c_t", slow)):
+        work.state(f"exponent-{name}", *speeds.exponent())
+    (c, c_err), (c_l, c_l_err) = tof.last(), fast.last()
+    work.state("c_tof-over-c_l", c / c_l, c / c_l * hypot(c_err / c, c_l_err / c_l))
+    for friction, name in enumerate(NAMES):
+        theory = lattice_speed(5e-7, friction)
+        work.state(f"lattice-{name}", lattice_long(work, bool(friction))[0], 0.0, theory, 0.002 * theory)
+    if work.folder:
+        _draw(work, item, tof, fast, slow)
+    for k in range(len(tof.p)):
+        work.say(item, f"p = {tof.p[k]:g}: c_tof = {tof.c[k]:.4f} +- {tof.err[k]:.4f}.")
+    for friction, words, source in ((False, "without", "Eq. (18)"), (True, "with", "Eq. (19)")):
+        limit, between = lattice_long(work, friction)
+        work.say(item, f"Lattice {words} friction at 5e-7: {between:.4f} between heights of 80 and 160, {limit:.4f} once the "
+                       f"front's spreading is allowed for; {source} gives {lattice_speed(5e-7, friction):.4f}.")
+    work.say(item, "The points of the three experiments in the paper's figure are not available.")
+
+
+# ---- figure ---------------------------------------------------------------------------------------------------------
+
+def _eta(poisson: float) -> float:
+    """Eq. (A4)."""
+    return 1 - poisson / (2 - poisson)
+
+
+def _guide(slope: float, y: float, label: str, **look: float) -> Curve:
+    """A short line of given slope, as a guide to the eye."""
+    low, high = 2e-7, 6e-6
+    return Curve(np.array([low, high]), np.array([y, y * math.pow(high / low, slope)]), label, **look)
+
+
+def _marks(label: str, s: Speeds, ink: int, mark: str, open: bool = False) -> Curve:
+    return Curve(s.p, s.c, label, error=None if open else s.err, ink=ink, dash=None, mark=mark, open=open)
+
+
+def _draw(work: SomfaiWork, item: str, tof: Speeds, fast: Speeds, slow: Speeds) -> None:
+    span = np.array([4e-8, 2.5e-4])
+    plain, low, high = (np.array([lattice_speed(p, eta) for p in span]) for eta in (0, _eta(0.5), _eta(0)))
+    small = [Speeds.of([(p, lattice_small(work, friction, p), math.nan) for p in (1e-7, 5e-7, 1e-6, 1e-5, 1e-4)])
+             for friction in (False, True)]
+    wide = [Speeds.of([(5e-7, lattice_long(work, friction)[1], math.nan)]) for friction in (False, True)]
+    curves = [
+        Curve(span, high, "lattice, friction, (19)", lower=low, upper=high, ink=-1, width=0.6),
+        Curve(span, plain, "lattice, (18)", dash=1, width=0.8),
+        _marks("lattice, |L| = 24", small[0], 3, "D", True),
+        _marks("lattice, friction, |L| = 24", small[1], 4, "s", True),
+        _marks("lattice, |L| = 160", wide[0], 3, "^", True),
+        _marks("lattice, friction, |L| = 160", wide[1], 4, "o", True),
+        _marks("2 |c|_{|t|}", Speeds(slow.p, 2 * slow.c, 2 * slow.err), 2, "^"),
+        _marks("|c|_{|ℓ|}", fast, 1, "s"),
+        _marks("|c|_{tof}", tof, 0, "o"),  # the main data, drawn on top
+        _guide(1 / 6, 0.036, "slope 1/6", width=0.6), _guide(0.25, 0.026, "slope 1/4", dash=2, width=0.8)]
+    panel = Panel(curves, "pressure |p| / |E|*", "speed / (|E|*/|ρ|)^{1/2}", log="xy", x=(span[0], span[1]), y=(0.025, 0.4))
+    work.draw_sheet(item, "fig8",
+                    "Speed of the front and of long waves against pressure: packings of 600 grains, and triangular lattices, "
+                    "measured and by Eqs. (18) and (19), the band for 0 <= nu <= 0.5.",
+                    Sheet([panel], aspect=0.85, width=300 / 72))

@@ -1,0 +1,371 @@
+"""The frame of every figure: its size and style, legends, the look that a reader asks for, and files that are the same on
+every run."""
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import functools
+import io
+import os
+import pathlib
+import sys
+import textwrap
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, TypeVar
+
+import matplotlib
+import matplotlib.style
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+from matplotlib.ticker import FuncFormatter, LogLocator
+from matplotlib.transforms import Bbox
+
+from .._command import usage, whole_file
+from .._core import Floats, invalid
+from ._units import number, plain
+
+#: the style of all figures: matplotlib.style.use(sonopack.plot.STYLE)
+STYLE = str(pathlib.Path(__file__).with_name("sonopack.mplstyle"))
+WIDTH = 86 / 25.4  # of a print column [in]
+INKS = ("#000000", "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
+DASHES: tuple[Any, ...] = ("-", (0, (5, 2)), (0, (1, 1.4)), (0, (5, 1.6, 1, 1.6)))
+MARKS = "os^DvP"
+MARKS_OF_FRONT = {"t10": "^", "t_peak": "o", "t_zero": "s"}  # as in Fig. 6 of Somfai et al. 2005
+GREY = "#8c8c8c"
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+
+def styled(draw: _F) -> _F:
+    """Draws with the style, whatever matplotlib's is."""
+    @functools.wraps(draw)
+    def with_style(*given: Any, **words: Any) -> Any:
+        with matplotlib.style.context(STYLE):
+            drawn = draw(*given, **words)
+            for ax in np.ravel(np.asarray(drawn, object)) if not isinstance(drawn, Iterator) else ():
+                label_decades(ax)
+            return drawn
+    return with_style  # type: ignore[return-value]
+
+
+def label_decades(ax: Axes) -> None:
+    """A logarithmic axis of few decades has numbers at 1, 2 and 5, too."""
+    for axis in (axis for one in (ax, *ax.child_axes) for axis in (one.xaxis, one.yaxis) if axis.get_scale() == "log"):
+        low, high = sorted(axis.get_view_interval())
+        if low > 0 and high / low < (60 if axis.axes is ax else 25):
+            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            axis.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
+            axis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
+
+
+def new_figure(size: tuple[float, float]) -> Figure:
+    """A figure of this size [in]."""
+    if "matplotlib.pyplot" in sys.modules:
+        made: Figure = sys.modules["matplotlib.pyplot"].figure(figsize=size)
+        return made
+    made = Figure(figsize=size)
+    FigureCanvasAgg(made)
+    return made
+
+
+def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0.75, width: float | None = None,
+           **words: Any) -> npt.NDArray[Any]:
+    """Axes [rows, columns] of a new figure, or those given as `ax`. aspect: height of a panel over its width. width: of
+    the figure [in]; a print column for each column of panels. words: of Figure.subplots, such as sharex."""
+    if ax is not None:
+        given = np.atleast_1d(np.asarray(ax, object))
+        if given.size != rows * columns:
+            raise invalid("ax", f"{given.size} Axes: this figure has {rows * columns} panels")
+        return given.reshape(rows, columns)
+    width = width or WIDTH * columns
+    fig = new_figure((width, width / columns * aspect * rows))
+    axes: npt.NDArray[Any] = fig.subplots(rows, columns, squeeze=False, **words)
+    for one in axes.flat:
+        one.set_label("panel")
+    return axes
+
+
+def ink(k: int) -> str:
+    """Colour k of those that differ, black first."""
+    return INKS[k % len(INKS)]
+
+
+def dash(k: int) -> Any:
+    return DASHES[k % len(DASHES)]
+
+
+def mark(k: int) -> str:
+    return MARKS[k % len(MARKS)]
+
+
+def points(ax: Axes, x: Floats, y: Floats, error: Floats | None = None, *, hollow: bool = False, **words: Any) -> None:
+    """Markers, with bars where errors are known. Bars that would end at or below 0 on a logarithmic axis reach its edge."""
+    words = {"ls": "none", "marker": "o", **words}
+    if hollow:
+        words["mfc"] = "white"
+    if error is None or not np.any(np.isfinite(error)):
+        ax.plot(x, y, **words)
+        return
+    ax.errorbar(x, y, yerr=np.where(np.isfinite(error), error, 0), elinewidth=0.7, **words)
+
+
+def tag(ax: Axes, text: str) -> None:
+    """The letter of a panel, in its upper left corner."""
+    ax.text(0.02, 0.97, text, transform=ax.transAxes, va="top", ha="left", fontsize=8)
+
+
+# ---- legends --------------------------------------------------------------------------------------------------------
+
+def key(**words: Any) -> Line2D:
+    """An entry of a legend that stands for several curves."""
+    return Line2D([], [], **words)
+
+
+def legend(ax: Axes, handles: Iterable[Any] | None = None, **words: Any) -> Legend | None:
+    """The legend, where it hides no data: inside, with the y axis extended upwards for it, else above the frame, with
+    long labels on several lines. None without entries."""
+    entries = list(handles) if handles is not None else _entries(ax)
+    if not entries:
+        return None
+    ax._sonopack_legend = (entries, words)
+    return _place_legend(ax)
+
+
+def _entries(ax: Axes) -> list[Any]:
+    handles, texts = ax.get_legend_handles_labels()
+    for handle, text in zip(handles, texts):
+        handle.set_label(text)
+    return handles
+
+
+def _place_legend(ax: Axes) -> Legend:
+    entries, words = ax._sonopack_legend
+    with matplotlib.style.context(STYLE):
+        ax.figure.draw_without_rendering()
+        frame = ax.get_window_extent()
+        return _inside(ax, entries, words, frame) or _above(ax, entries, words, frame.width)
+
+
+_PLACES = {"upper right": (1, 1), "upper left": (0, 1), "lower right": (1, 0), "lower left": (0, 0),
+           "center right": (1, 0.5), "center left": (0, 0.5), "upper center": (0.5, 1), "lower center": (0.5, 0)}
+
+
+def _inside(ax: Axes, entries: list[Any], words: dict[str, Any], frame: Any) -> Legend | None:
+    """The legend where it hides no data, with the y axis grown by up to half; None if there is no such place. Limits that
+    were asked for stay as they are."""
+    limits, asked = ax.get_ylim(), getattr(ax, "_sonopack_limits", (None, None))[1] is not None
+    sizes = {}
+    for columns in (1, 2) if len(entries) > 3 else (1,):
+        sizes[columns] = _size(ax.legend(handles=entries, loc="upper right", **{"ncol": columns, **words}))
+    ax.get_legend().remove()
+    for grow in (0.0,) if asked else (0.0, 0.1, 0.2, 0.3, 0.4):
+        _raise_top(ax, limits, grow)
+        there = Obstacles(ax)
+        for columns, (width, height) in sizes.items():
+            if width > 0.97 * frame.width or height > 0.6 * frame.height:
+                continue
+            for place, (x, y) in _PLACES.items():
+                lies = Bbox.from_bounds(frame.x0 + x * (frame.width - width), frame.y0 + y * (frame.height - height), width,
+                                        height)
+                if there.leave(lies):
+                    box = ax.legend(handles=entries, loc=place, borderaxespad=0.1, **{"ncol": columns, **words})
+                    box.set_in_layout(False)
+                    return box
+    ax.set_ylim(limits)
+    return None
+
+
+def _raise_top(ax: Axes, limits: tuple[float, float], share: float) -> None:
+    """Raises the upper limit of y by a share of the axis."""
+    turn = ax.yaxis.get_transform()
+    a, b = turn.transform(np.array(limits))
+    ax.set_ylim(limits[0], float(turn.inverted().transform(b + share * (b - a))) if share else limits[1])
+
+
+def _size(box: Legend) -> tuple[float, float]:
+    extent = box.get_window_extent(box.figure.canvas.get_renderer())
+    return extent.width, extent.height
+
+
+class Obstacles:
+    """What a legend or an inset must not cover: lines, marks, bands, texts and insets of Axes, in pixels."""
+
+    def __init__(self, ax: Axes) -> None:
+        renderer = ax.figure.canvas.get_renderer()
+        self.boxes = [text.get_window_extent(renderer) for text in ax.texts if text.get_text()]
+        self.boxes += [one.get_tightbbox(renderer) for one in ax.child_axes]
+        self.paths = [one.get_transform().transform_path(one.get_path()) for one in (*ax.lines, *ax.patches)]
+        points = [np.zeros((0, 2))]
+        for many in ax.collections:
+            points.append(np.atleast_2d(many.get_offset_transform().transform(many.get_offsets())))
+            if len(many.get_paths()) < 5000:
+                self.paths += [many.get_transform().transform_path(path) for path in many.get_paths()]
+        self.points = np.concatenate(points)
+
+    def leave(self, lies: Bbox) -> bool:
+        """Whether a box is free."""
+        if any(lies.overlaps(box) for box in self.boxes) or lies.count_contains(self.points):
+            return False
+        return not any(len(path.vertices) and (lies.count_contains(path.vertices) or path.intersects_bbox(lies, filled=False))
+                       for path in self.paths)
+
+
+def inset(ax: Axes, width: float = 0.46, height: float = 0.46) -> Axes:
+    """Axes within others, of this share of them with its labels, where they hide no data; the y axis grows for them."""
+    ax.figure.draw_without_rendering()
+    limits, frame = ax.get_ylim(), ax.get_window_extent()
+    for grow in (0.0, 0.15, 0.3, 0.45, 0.6):
+        _raise_top(ax, limits, grow)
+        there = Obstacles(ax)
+        for x, y in ((x, y) for y in np.linspace(0.02, 0.98 - height, 6) for x in np.linspace(0.02, 0.98 - width, 6)):
+            lies = Bbox.from_bounds(frame.x0 + x * frame.width, frame.y0 + y * frame.height, width * frame.width,
+                                    height * frame.height)
+            if there.leave(lies):
+                return _inner(ax, x, y, width, height)
+    return _inner(ax, 0.98 - width, 0.98 - height, width, height)
+
+
+def _inner(ax: Axes, x: float, y: float, width: float, height: float) -> Axes:
+    inner = ax.inset_axes([x + 0.14, y + 0.13, width - 0.16, height - 0.15])
+    inner.tick_params(labelsize=5.5, which="both", length=2)
+    inner.ticklabel_format(scilimits=(-1, 3))
+    inner.xaxis.label.set_fontsize(6)
+    inner.yaxis.label.set_fontsize(6)
+    inner.xaxis.labelpad = inner.yaxis.labelpad = 0.5
+    return inner
+
+
+def _above(ax: Axes, entries: list[Any], words: dict[str, Any], room: float) -> Legend:
+    """Above the frame, in as many columns as fit, and the figure grows by it. room: the width of the frame [pixels]."""
+    words = {name: value for name, value in words.items() if name not in ("loc", "ncol", "bbox_to_anchor")}
+    fig, left = ax.figure, ax.get_window_extent().x0
+    for columns, width in ((4, 0), (3, 0), (2, 0), (1, 0), (1, 60), (1, 44), (1, 32), (1, 24)):
+        if columns > len(entries):
+            continue
+        texts = ["\n".join(textwrap.wrap(one.get_label(), width)) if width else one.get_label() for one in entries]
+        box = ax.legend(handles=entries, labels=texts, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=columns,
+                        **words)
+        wide = _size(box)[0]
+        if wide > 1.02 * room and wide < 0.98 * fig.bbox.width:  # it may begin left of the frame
+            box.set_bbox_to_anchor(((room - wide + 0.01 * fig.bbox.width) / room, 1.0), transform=ax.transAxes)
+        if wide < 0.98 * fig.bbox.width and wide - room < left:
+            break
+    if not getattr(ax, "_sonopack_grown", False):
+        ax._sonopack_grown = True
+        width, height = fig.get_size_inches()
+        fig.set_size_inches(width, height + _size(box)[1] / fig.dpi)
+    return box
+
+
+# ---- the look that a reader asks for --------------------------------------------------------------------------------
+
+Limits = tuple[float | None, float | None]
+
+
+@dataclasses.dataclass(frozen=True)
+class Look:
+    """Title, limits and scales of the axes. x holds for all panels, y for the first."""
+
+    title: str = ""
+    x: Limits | None = None
+    y: Limits | None = None
+    log: str = ""
+    linear: bool = False
+
+    def apply(self, fig: Figure) -> None:
+        if self.title:
+            title = fig.suptitle("\n".join(textwrap.wrap(plain(self.title), int(13 * fig.get_figwidth()))))
+            if fig.get_label() == "picture":  # whose views have a scale
+                from ._view import grow
+                grow(fig, 0.0, title.get_window_extent().height / fig.dpi + 0.06)
+        for k, ax in enumerate(one for one in fig.axes if one.get_label() == "panel"):
+            self._axis(ax, "x", self.x)
+            if k == 0:
+                self._axis(ax, "y", self.y)
+            label_decades(ax)
+            if hasattr(ax, "_sonopack_legend"):
+                ax._sonopack_limits = (self.x, self.y if k == 0 else None)
+                _place_legend(ax)
+
+    def _axis(self, ax: Axes, which: str, limits: Limits | None) -> None:
+        scale = "log" if which in self.log else "linear" if self.linear else None
+        set_limits, get_limits = getattr(ax, f"set_{which}lim"), getattr(ax, f"get_{which}lim")
+        if scale == "log":
+            _check_positive(ax, which)
+        if scale and scale != getattr(ax, f"get_{which}scale")():
+            getattr(ax, f"set_{which}scale")(scale, **({"nonpositive": "clip"} if scale == "log" else {}))
+            set_limits(auto=True)
+            ax.autoscale(axis=which)
+        if limits:
+            if getattr(ax, f"get_{which}scale")() == "log" and min(one for one in limits if one is not None) <= 0:
+                low = next(one for one in limits if one is not None and one <= 0)
+                raise usage(f"--{which} {low:g}: must be above 0 on a logarithmic axis")
+            low, high = get_limits()
+            set_limits(limits[0] if limits[0] is not None else low, limits[1] if limits[1] is not None else high)
+
+
+def _check_positive(ax: Axes, which: str) -> None:
+    """A negative number has no logarithm; zeros lie below the frame."""
+    for line in (line for line in ax.lines if line.get_transform() == ax.transData):
+        values = np.asarray(getattr(line, f"get_{which}data")(), float)
+        if np.any(values < 0):
+            k = int(np.argmax(values < 0))
+            raise usage(f"--log {which}: point {k + 1}: {which} = {values[k]:g} is below 0")
+
+
+# ---- files ----------------------------------------------------------------------------------------------------------
+
+_METADATA: dict[str, dict[str, Any]] = {
+    ".svg": {"Date": None, "Creator": None, "Format": None, "Type": None},
+    ".pdf": {"CreationDate": None, "Producer": None, "Creator": None}, ".png": {"Software": None}}
+
+
+def save(fig: Figure, path: str | os.PathLike[str]) -> None:
+    """Writes a figure: SVG, PDF or PNG (300 dpi) as the ending says, the same bytes on every run. A reader sees the old
+    file or the new one, never a part."""
+    ending = os.path.splitext(os.fspath(path))[1].lower()
+    if ending not in _METADATA:
+        raise usage(f"-o {os.fspath(path)}: the ending of a figure must be .svg, .png or .pdf")
+    with whole_file(path) as draft:
+        _write(fig, draft, ending)
+
+
+def _write(fig: Figure, to: Any, ending: str, dpi: int = 300) -> None:
+    with matplotlib.style.context(STYLE), _powers_in_labels(fig):
+        fig.savefig(to, format=ending[1:], dpi=dpi, metadata=_METADATA[ending])
+
+
+def picture(axes: Any) -> bytes:
+    """The PNG of Axes that nobody else has, for notebooks."""
+    fig, out = np.ravel(np.asarray(axes, object))[0].figure, io.BytesIO()
+    _write(fig, out, ".png", 150)
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close(fig)
+    return out.getvalue()
+
+
+@contextlib.contextmanager
+def _powers_in_labels(fig: Figure) -> Iterator[None]:
+    """Powers of ten that the numbers of an axis lack stand with its unit while the figure is written: beside the axis they
+    would cover tags and insets."""
+    fig.draw_without_rendering()
+    moved = []
+    for axis in (axis for ax in [*fig.axes, *(inner for ax in fig.axes for inner in ax.child_axes)]
+                 for axis in (ax.xaxis, ax.yaxis)):
+        order, text = getattr(axis.get_major_formatter(), "orderOfMagnitude", 0), axis.get_label_text()
+        if order and text and not axis.get_major_formatter().offset:
+            moved.append((axis, text))
+            power = f"$10^{{{order}}}$"
+            axis.set_label_text(text.replace("  [", f"  [{power} ") if "  [" in text else f"{text}  [{power}]")
+            axis.offsetText.set_visible(False)
+    try:
+        yield
+    finally:
+        for axis, text in moved:
+            axis.set_label_text(text)
+            axis.offsetText.set_visible(True)
