@@ -33,7 +33,7 @@ void sonopack_blas_end(void);
 char *strdup(const char *text);
 """
 # Structs of this kind are inputs of the library and no results.
-INPUTS = re.compile(r"_(options|spec|range|place|hooks|pulse|probe|watcher|made|counts|cell|column|sweep|error|chain|value|errors|store_check|finding)$")
+INPUTS = re.compile(r"_(options|spec|range|place|hooks|pulse|probe|watcher|made|counts|entry|column|sweep|error|chain|value|errors|store_check|finding)$")
 
 
 def headers(include):

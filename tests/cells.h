@@ -182,8 +182,8 @@ static inline void cells_relax(sp_packing *p, double most) {
 
 /* n grains of two sizes (ratio 1.4) that fill the fraction phi of a cell with edges of the same length, at rest. tilt:
  * of a periodic cell, over its edge. */
-static inline sp_packing cells_packing(sp_boundary cell, int dim, int n, double phi, const double tilt[3],
-                                       double friction, unsigned seed) {
+static inline sp_packing cells_packing(sp_cell cell, int dim, int n, double phi, const double tilt[3], double friction,
+                                       unsigned seed) {
     sp_packing p = sp_packing_none();
     double filled = 0;
     assert_ok(sp_packing_alloc(&p, dim, n, 0, &err));

@@ -28,21 +28,11 @@ static inline double difference(int n, const double *f, const double *g) {
     return worst;
 }
 
-/* Every allocation fails once: nothing is left behind, and the reason is told. p: of dynamics, else NULL. Returns the
- * number of allocations. */
-static inline int lacks_memory(const sp_packing *p, const sp_network *net, const sp_signal_options *o) {
-    for (int k = 0;; k++) {
-        sp_signal s = sp_signal_none();
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_signal_dynamics(p, net, o, &s, &err);
-        sp_alloc_fail_after(-1);
-        assert_true(status == SP_OK || s.f == NULL);
-        sp_signal_free(&s);
-        if (status == SP_OK)
-            return k;
-        assert_int_equal(status, SP_ENOMEM);
-    }
+/* Every allocation fails once, more than `least`: nothing is left behind. p: of dynamics, else NULL. */
+static inline void lacks_memory(const sp_packing *p, const sp_network *net, const sp_signal_options *o, int least) {
+    sp_signal s = sp_signal_none();
+    EACH_ALLOCATION_FAILS(least, sp_signal_compute(p, net, o, &s, &err), assert_true(!lacks || !s.f),
+                          sp_signal_free(&s));
 }
 
 #endif

@@ -73,7 +73,7 @@ typedef struct sp_network {
     sp_carried *carried; /* [n_springs], or NULL if K is symmetric (no prestress, or no tangential forces at rest) */
     double skew;         /* result of sp_network_skew */
     double soft;         /* result of sp_network_soft */
-    sp_boundary cell;    /* what bounds the grains of the packing */
+    sp_cell cell;        /* what bounds the grains of the packing */
     double tilt[3];      /* as in sp_packing [d] */
 } sp_network;
 

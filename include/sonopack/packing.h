@@ -7,7 +7,7 @@
  *
  * Grains are spheres in any dimension. The up axis is axis dim-1: x in 1D, y in 2D, z in 3D. Under the piston it leads
  * from the bottom wall at 0 to the top wall at the height, and the other axes are periodic. Other cells are periodic
- * along all axes, or have walls on all sides (sp_boundary). */
+ * along all axes, or have walls on all sides (sp_cell). */
 
 #include <sonopack/status.h>
 #include <stdbool.h>
@@ -40,7 +40,7 @@ typedef enum sp_wall { SP_WALL_RIGID = 0, SP_WALL_GRAIN = 1, SP_WALL_ELASTIC = 2
 
 /* What bounds the grains. PISTON: walls at the bottom and the top, periodic sideways. PERIODIC: no walls, periodic
  * along all axes. BOX: walls on all sides. */
-typedef enum sp_boundary { SP_CELL_PISTON = 0, SP_CELL_PERIODIC, SP_CELL_BOX } sp_boundary;
+typedef enum sp_cell { SP_CELL_PISTON = 0, SP_CELL_PERIODIC, SP_CELL_BOX } sp_cell;
 
 /* The material of the grains in SI units, which turns dimensionless numbers into those of an experiment. It has no
  * influence on them. */
@@ -69,7 +69,7 @@ typedef struct sp_packing {
     double *inertia;      /* [n] moments of inertia [rho d^5] */
     sp_contact *contacts; /* [n_contacts] sorted: pairs by (i, j), then the walls in the order of SP_BOTTOM .. SP_BACK,
                              each by i */
-    sp_boundary cell;     /* what bounds the grains */
+    sp_cell cell;         /* what bounds the grains */
     double box[3];        /* edges: periods, or distances of walls; box[dim-1] is the height; 1 on unused axes [d] */
     double tilt[3]; /* PERIODIC: xy, xz, yz of the lattice vectors (box[0], 0, 0), (xy, box[1], 0), (xz, yz, box[2]), at
                        most half of the edge in their direction; 0 for the other cells and on unused axes [d] */
@@ -220,7 +220,7 @@ typedef enum sp_tangential { SP_TANGENTIAL_CONSTANT = 0, SP_TANGENTIAL_HISTORY }
  * the arrays `diameters` and `history`; whoever allocated these keeps them until the last copy is unused. */
 typedef struct sp_pack_spec {
     sp_pack_kind kind;
-    sp_boundary cell; /* what bounds the grains; not PISTON: for kinds PISTON (a gas) and FILE */
+    sp_cell cell; /* what bounds the grains; not PISTON: for kinds PISTON (a gas) and FILE */
     int dim;
     int32_t grains;
     double width;    /* period along x [d]; without a piston about the edge along x of the packing, where the default

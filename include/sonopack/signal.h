@@ -18,7 +18,7 @@ typedef enum sp_signal_method {
     SP_SIGNAL_LAX_WENDROFF, /* time stepping, fourth order */
     SP_SIGNAL_FABER,        /* Faber expansion: matrix products, with or without damping */
     SP_SIGNAL_SPARSE,       /* sum over the lowest modes, as many as the tolerance needs */
-    SP_SIGNAL_DYNAMICS,     /* nonlinear motion of the packing: sp_signal_dynamics */
+    SP_SIGNAL_DYNAMICS,     /* nonlinear motion of the packing: sp_signal_compute */
 } sp_signal_method;
 
 typedef struct sp_signal_options {
@@ -78,8 +78,8 @@ SP_API sp_status sp_signal_make(const sp_network *net, const sp_signal_options *
  * methods). It follows the motion of all grains from rest, with contacts that open, close and slide, after the source
  * times the amplitude; F is the change of the force over that factor. Its errors are estimates from steps of twice the
  * length. SP_EFAILED if a grain moves farther than the search for contacts allows. */
-SP_API sp_status sp_signal_dynamics(const sp_packing *p, const sp_network *net, const sp_signal_options *opt,
-                                    sp_signal *out, sp_error *err);
+SP_API sp_status sp_signal_compute(const sp_packing *p, const sp_network *net, const sp_signal_options *opt,
+                                   sp_signal *out, sp_error *err);
 SP_API void sp_signal_free(sp_signal *s);
 
 /* Options of sp_signal_field. */

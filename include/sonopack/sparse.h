@@ -2,7 +2,7 @@
 #define SONOPACK_SPARSE_H
 /* Sparse square matrices. */
 
-#include <sonopack/export.h>
+#include <sonopack/visibility.h>
 #include <stdint.h>
 
 #ifdef __cplusplus

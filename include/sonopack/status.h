@@ -5,7 +5,7 @@
  * Every function that can fail returns an sp_status and takes an sp_error, which may be NULL. Outputs are written on
  * success only. The library never prints and never exits. */
 
-#include <sonopack/export.h>
+#include <sonopack/visibility.h>
 
 #ifdef __cplusplus
 extern "C" {

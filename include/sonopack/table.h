@@ -11,35 +11,35 @@
 extern "C" {
 #endif
 
-typedef enum sp_cell_kind { SP_CELL_NUMBER = 0, SP_CELL_INTEGER, SP_CELL_TEXT } sp_cell_kind;
+typedef enum sp_column_kind { SP_COLUMN_NUMBER = 0, SP_COLUMN_INTEGER, SP_COLUMN_TEXT } sp_column_kind;
 
-typedef union sp_cell {
+typedef union sp_entry {
     double number;
     int64_t integer;
     char *text; /* owned by the table */
-} sp_cell;
+} sp_entry;
 
 typedef struct sp_column {
     char name[40];
     char unit[40]; /* "" if none */
-    sp_cell_kind kind;
+    sp_column_kind kind;
 } sp_column;
 
 enum { SP_COLUMNS_MAX = 1000000 };
 
 /* Metadata: one "key = value" of a comment line. */
 typedef struct sp_table_value {
-    char *key, *text;  /* owned by the table; the value as it is written */
-    sp_cell_kind kind; /* of the whole value */
-    double number;     /* that the value begins with; NAN if none */
-    int comment;       /* index of the comment line */
+    char *key, *text;    /* owned by the table; the value as it is written */
+    sp_column_kind kind; /* of the whole value */
+    double number;       /* that the value begins with; NAN if none */
+    int comment;         /* index of the comment line */
 } sp_table_value;
 
 typedef struct sp_table {
     int columns;
     int64_t rows, capacity;
     sp_column *column; /* [columns] */
-    sp_cell *cells;    /* [rows][columns] */
+    sp_entry *cells;   /* [rows][columns] */
     int comments, values;
     char **comment;        /* [comments] lines without '#' */
     sp_table_value *value; /* [values] metadata, in the order of the lines */
@@ -52,7 +52,8 @@ SP_API sp_table sp_table_none(void);
 SP_API void sp_table_free(sp_table *t);
 
 /* Adds a column at the right; "" for a unit means none. SP_EINVAL if the table already has rows. */
-SP_API sp_status sp_table_add_column(sp_table *t, const char *name, const char *unit, sp_cell_kind kind, sp_error *err);
+SP_API sp_status sp_table_add_column(sp_table *t, const char *name, const char *unit, sp_column_kind kind,
+                                     sp_error *err);
 /* Adds a row. One argument for each column, in order: double, int64_t or const char * (copied), as the column's kind
  * requires. */
 SP_API sp_status sp_table_add_row(sp_table *t, sp_error *err, ...);

@@ -2,7 +2,7 @@
 #define SONOPACK_VERSION_H
 /* Version of the headers, and of the library at run time. */
 
-#include <sonopack/export.h>
+#include <sonopack/visibility.h>
 
 #define SONOPACK_VERSION "0.7.0"
 /* Increased whenever the same scene and seed would give other numbers; part of a sample's name. Packings in three

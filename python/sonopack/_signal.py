@@ -123,7 +123,7 @@ class Signal(_core.Drawn, _core.Result):
         if pulse is not None:
             call(lib.sp_signal_pulse, network._c, options, pulse._c, self._c)
         else:
-            call(lib.sp_signal_dynamics, network.packing._c, network._c, options, self._c)
+            call(lib.sp_signal_compute, network.packing._c, network._c, options, self._c)
         del start, end
 
     @property

@@ -76,11 +76,11 @@ class Table(Mapping[str, npt.NDArray[Any]]):
         if column < 0:
             raise KeyError(name)
         kind = self._c.column[column].kind
-        if kind == lib.SP_CELL_TEXT:
+        if kind == lib.SP_COLUMN_TEXT:
             texts = (self._c.cells[row * self._c.columns + column].text for row in range(self.rows))
             return np.array([text_of(text) for text in texts], dtype=str)
         cells = _core.view(self._c, ffi.cast("double *", self._c.cells), (self.rows, int(self._c.columns)))
-        if kind == lib.SP_CELL_INTEGER:
+        if kind == lib.SP_COLUMN_INTEGER:
             cells = cells.view(np.int64)
         array: npt.NDArray[Any] = cells[:, column]
         return array
@@ -199,11 +199,11 @@ def _empty() -> Any:
 
 def _kind(array: npt.NDArray[Any]) -> int:
     if array.dtype.kind in "US":
-        return int(lib.SP_CELL_TEXT)
+        return int(lib.SP_COLUMN_TEXT)
     if array.dtype.kind in "iub":
-        return int(lib.SP_CELL_INTEGER)
+        return int(lib.SP_COLUMN_INTEGER)
     if array.dtype.kind == "f":
-        return int(lib.SP_CELL_NUMBER)
+        return int(lib.SP_COLUMN_NUMBER)
     raise _core.invalid("columns", f"of dtype {array.dtype}: must be numbers, integers or texts")
 
 
@@ -211,8 +211,8 @@ def _add_row(table: Any, kinds: list[int], row: tuple[Any, ...]) -> None:
     err = ffi.new("sp_error *")
     cells = []
     for kind, value in zip(kinds, row):
-        if kind == lib.SP_CELL_TEXT:
+        if kind == lib.SP_COLUMN_TEXT:
             cells.append(ffi.new("char[]", os.fsencode(value)))
         else:
-            cells.append(ffi.cast("double", value) if kind == lib.SP_CELL_NUMBER else ffi.cast("int64_t", value))
+            cells.append(ffi.cast("double", value) if kind == lib.SP_COLUMN_NUMBER else ffi.cast("int64_t", value))
     _core.check(lib.sp_table_add_row(table, err, *cells), err)

@@ -3,7 +3,7 @@
 #include "base/base.h"
 #include "base/pool.h"
 #include "tapped/events.h"
-#include "tapped/table.h"
+#include "tapped/tapped_table.h"
 
 #include <stdatomic.h>
 #include <string.h>
@@ -131,16 +131,16 @@ static sp_status check_range(const sp_tapped_spec *c, sp_error *err) {
 
 static sp_status add_columns(const diagram *d, sp_table *t, sp_error *err) {
     const sp_tapped_spec *c = d->c;
-    sp_status status = sp_table_add_column(t, "parameter", units[c->parameter], SP_CELL_NUMBER, err);
+    sp_status status = sp_table_add_column(t, "parameter", units[c->parameter], SP_COLUMN_NUMBER, err);
     if (c->output == SP_TAPPED_LYAPUNOV) {
         if (status == SP_OK)
-            status = sp_table_add_column(t, "lambda", "1/tap", SP_CELL_NUMBER, err);
+            status = sp_table_add_column(t, "lambda", "1/tap", SP_COLUMN_NUMBER, err);
         if (status == SP_OK)
-            status = sp_table_add_column(t, "error", "1/tap", SP_CELL_NUMBER, err);
-        return status == SP_OK ? sp_table_add_column(t, "cycle", "taps", SP_CELL_INTEGER, err) : status;
+            status = sp_table_add_column(t, "error", "1/tap", SP_COLUMN_NUMBER, err);
+        return status == SP_OK ? sp_table_add_column(t, "cycle", "taps", SP_COLUMN_INTEGER, err) : status;
     }
     if (status == SP_OK)
-        status = sp_table_add_column(t, "tap", "", SP_CELL_INTEGER, err);
+        status = sp_table_add_column(t, "tap", "", SP_COLUMN_INTEGER, err);
     return status == SP_OK ? sp_tapped_add_particles(c, "y", 1, "cm", t, err) : status;
 }
 

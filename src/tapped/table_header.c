@@ -1,7 +1,7 @@
 /* Columns of particles and comments of the tables of a column: its parameters, its results, and warnings. */
 #include "base/base.h"
 #include "tapped/column.h"
-#include "tapped/table.h"
+#include "tapped/tapped_table.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -12,7 +12,7 @@ sp_status sp_tapped_add_particles(const sp_tapped_spec *c, const char *letter, i
     char name[32];
     for (int32_t i = first; i <= c->particles && status == SP_OK; i++) {
         snprintf(name, sizeof name, "%s%d", letter, i);
-        status = sp_table_add_column(t, name, unit, SP_CELL_NUMBER, err);
+        status = sp_table_add_column(t, name, unit, SP_COLUMN_NUMBER, err);
     }
     return status;
 }

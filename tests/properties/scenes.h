@@ -12,7 +12,7 @@ typedef struct scene {
 } scene;
 
 static inline void scene_cell(sp_random *draw, sp_packing *p, const int per[3], double spacing) {
-    p->cell = (sp_boundary)whole(draw, 0, p->dim == 1 ? 1 : 2); /* a chain is no box */
+    p->cell = (sp_cell)whole(draw, 0, p->dim == 1 ? 1 : 2); /* a chain is no box */
     for (int a = 0; a < 3; a++)
         p->box[a] = a < p->dim ? per[a] * spacing : 1;
     if (p->cell != SP_CELL_PERIODIC || p->dim == 1 || chance(draw, 0.5))

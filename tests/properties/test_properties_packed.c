@@ -19,7 +19,7 @@ static sp_pack_spec spec_draw(sp_random *draw) {
                         pressures[] = {1e-8, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2}, widest[] = {1, 1.05, 1.2, 1.5};
     sp_pack_spec s = sp_pack_spec_default();
     s.dim = whole(draw, 2, 3);
-    s.cell = (sp_boundary)whole(draw, 0, 2);
+    s.cell = (sp_cell)whole(draw, 0, 2);
     s.grains = s.dim == 2 ? whole(draw, 14, 40) : whole(draw, 40, 70);
     s.width = s.cell == SP_CELL_PISTON ? between(draw, 6.1, 7) : s.width;
     s.depth = s.dim == 3 && s.cell == SP_CELL_PISTON ? s.width : 0;
@@ -96,7 +96,7 @@ static void check_small(claims *c, const sp_packing *p, const sp_network *net) {
         return;
     o.method = SP_SIGNAL_DYNAMICS;
     o.tolerance = 1e-3;
-    if (claims_served(c, "nonlinear", sp_signal_dynamics(p, net, &o, &real, &why), &why)) {
+    if (claims_served(c, "nonlinear", sp_signal_compute(p, net, &o, &real, &why), &why)) {
         for (int q = 0; q < o.points; q++) {
             peak = fmax(peak, fabs(linear.f[q]));
             off = fmax(off, fabs(linear.f[q] - real.f[q]));

@@ -25,7 +25,7 @@ static sp_status make_signal(const sp_packing *p, const sp_network *net, const t
     o.amplitude = t->amplitude;
     o.damping = t->damping;
     o.step = step;
-    return sp_signal_dynamics(p, net, &o, out, err);
+    return sp_signal_compute(p, net, &o, out, err);
 }
 
 static void run(stress_record *r, const trial *t, count *c) {

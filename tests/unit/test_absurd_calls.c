@@ -78,8 +78,8 @@ static void files(const sp_packing *p) {
 static void tables(const sp_signal *s) {
     sp_table t = sp_table_none(), back = sp_table_none();
     sp_error reason = {0};
-    assert_ok(sp_table_add_column(&t, "t", "", SP_CELL_NUMBER, &err));
-    assert_ok(sp_table_add_column(&t, "F", "", SP_CELL_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "t", "", SP_COLUMN_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "F", "", SP_COLUMN_NUMBER, &err));
     for (int32_t k = 0; k < s->n; k++)
         assert_ok(sp_table_add_row(&t, &err, s->t[k], s->f[k]));
     char *text = sp_table_text(&t, SP_TSV);

@@ -115,7 +115,7 @@ TEST(test_same_motion) {
     o.until = 20;
     o.points = POINTS;
     o.step = 0.1;
-    assert_ok(sp_signal_dynamics(&p, &net, &o, &signal, &err));
+    assert_ok(sp_signal_compute(&p, &net, &o, &signal, &err));
     motion s;
     assert_ok(sp_motion_make(&p, &net, SP_MOTION_NEAR, 0, NULL, &s, &err));
     const double factor = sp_motion_kick(&s, a, true, 0.2);
@@ -203,15 +203,7 @@ TEST(test_bad_input) {
     o.until = NAN;
     assert_fails(sp_amplitude_pulses(&p, &o, 1, &good, &a, NULL, &err), SP_EINVAL, "until");
     o.until = 0;
-    for (int k = 0;; k++) {
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_amplitude_pulses(&p, &o, 1, &good, &a, NULL, &err);
-        sp_alloc_fail_after(-1);
-        if (status == SP_OK)
-            break;
-        assert_int_equal(status, SP_ENOMEM);
-    }
+    EACH_ALLOCATION_FAILS(10, sp_amplitude_pulses(&p, &o, 1, &good, &a, NULL, &err), );
     sp_packing_free(&p);
 }
 

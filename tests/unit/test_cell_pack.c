@@ -5,7 +5,7 @@
 #include "base/base.h"
 #include "packing/contact.h"
 
-static sp_pack_spec small(int dim, sp_boundary cell, double friction) {
+static sp_pack_spec small(int dim, sp_cell cell, double friction) {
     sp_pack_spec s = sp_pack_spec_default();
     s.dim = dim;
     s.cell = cell;

@@ -149,7 +149,7 @@ TEST(momentum_is_balanced) {
 /* A plane moves the grains of its layer, across the period, and nothing else; in every kind of cell. */
 TEST(planes_are_sources) {
     for (int cell = 0; cell < 3; cell++) {
-        sp_packing p = cells_packing((sp_boundary)cell, 2, 40, 0.95, NULL, 0.3, 6);
+        sp_packing p = cells_packing((sp_cell)cell, 2, 40, 0.95, NULL, 0.3, 6);
         sp_network net = network_of(&p, false);
         const int64_t n = sp_network_dofs(&net);
         double *out = malloc((size_t)n * sizeof *out);

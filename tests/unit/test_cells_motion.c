@@ -14,7 +14,7 @@
 
 typedef struct scene {
     int dim;
-    sp_boundary cell;
+    sp_cell cell;
     double edge[3], tilt[3];
     double friction;
 } scene;

@@ -1,7 +1,7 @@
 /* Waves in cells without a piston: dispersion by lattice sums, pulses from a plane of grains. */
 #include "base/vector.h"
 #include "cells.h"
-#include "network/cell.h"
+#include "network/network_cell.h"
 
 #include <sonopack/coherent.h>
 #include <sonopack/signal.h>
@@ -170,7 +170,7 @@ static sp_signal signal_of(const sp_packing *p, const sp_network *net, sp_signal
     o.points = 101;
     if (method == SP_SIGNAL_DYNAMICS || method == SP_SIGNAL_VERLET)
         o.tolerance = 1e-4;
-    assert_ok(sp_signal_dynamics(p, net, &o, &s, &err));
+    assert_ok(sp_signal_compute(p, net, &o, &s, &err));
     return s;
 }
 
@@ -253,7 +253,7 @@ TEST(no_drift) {
     o.amplitude = 0.3;
     o.step = 0.2;
     o.tolerance = 0.5;
-    assert_ok(sp_signal_dynamics(&p, &net, &o, &s, &err));
+    assert_ok(sp_signal_compute(&p, &net, &o, &s, &err));
     sp_signal_free(&s);
     sp_network_free(&net);
     sp_packing_free(&p);

@@ -433,16 +433,7 @@ TEST(test_ends) {
         c.taps = 1;
         c.period = 0.1;
         c.amplitude = 30; /* the grid has to grow */
-        sp_status status = SP_ENOMEM;
-        int fails = 0;
-        for (; status != SP_OK; fails++) {
-            sp_error err = {0};
-            sp_alloc_fail_after(fails);
-            status = sp_tapped_run(&c, 3, t, ignore, NULL, NULL, &err);
-            sp_alloc_fail_after(-1);
-            assert_true(status == SP_OK || status == SP_ENOMEM);
-        }
-        assert_true(fails > 3);
+        EACH_ALLOCATION_FAILS(2, sp_tapped_run(&c, 3, t, ignore, NULL, NULL, &err), );
         assert_fails(sp_tapped_run(&c, 3, t, stop, NULL, NULL, &err), SP_EINTERRUPTED, "enough");
     }
 }

@@ -254,16 +254,7 @@ TEST(test_memory) {
         c.period = 0.1;
         c.particles = 2;
         column_rows rows = column_run(&c, 1, 0, 0);
-        sp_status status = SP_ENOMEM;
-        int64_t allocations = 0;
-        for (; status != SP_OK; allocations++) {
-            rows.done = 0;
-            sp_alloc_fail_after(allocations);
-            status = sp_tapped_run(&c, 1, rows.t, column_keep, &rows, NULL, NULL);
-            sp_alloc_fail_after(-1);
-            assert_true(status == SP_OK || status == SP_ENOMEM);
-        }
-        assert_true(allocations > 4);
+        EACH_ALLOCATION_FAILS(3, (rows.done = 0, sp_tapped_run(&c, 1, rows.t, column_keep, &rows, NULL, &err)), );
         column_free(&rows);
     }
 }

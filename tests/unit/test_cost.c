@@ -73,7 +73,7 @@ TEST(test_remaining_never_grows) {
     }
 }
 
-static sp_pack_spec in_cell(sp_boundary cell, int dim, double pressure, double friction, sp_protocol protocol) {
+static sp_pack_spec in_cell(sp_cell cell, int dim, double pressure, double friction, sp_protocol protocol) {
     sp_pack_spec s = small(dim, pressure, friction, protocol);
     s.cell = cell;
     s.width = sp_pack_spec_default().width; /* equal edges */
@@ -161,7 +161,7 @@ TEST(test_every_compression) {
     const sp_machine one = sp_machine_reference();
     for (int k = 0; k < 48; k++) {
         sp_pack_spec spec = small(2 + k % 2, 1e-4, k / 2 % 2 ? 0.5 : 0, (sp_protocol)(k / 4 % 4));
-        spec.cell = (sp_boundary)(k / 16);
+        spec.cell = (sp_cell)(k / 16);
         const sp_packing_forecast f = sp_packing_expect(&spec, 1, &one);
         assert_true(f.steps > 100 && f.steps < 1e6 && f.cost.cpu > 0);
         assert_true(f.cost.memory > 200.0 * spec.grains && f.cost.memory < 2e4 * spec.grains);

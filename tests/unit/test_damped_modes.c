@@ -136,19 +136,7 @@ TEST(test_refusals) {
     double a[4] = {0, 1, NAN, 0}, re[2], im[2], vectors[4];
     assert_fails(sp_eigen_general(2, a, re, im, vectors, &err), SP_EINVAL, "");
     assert_fails(sp_eigen_general(0, a, re, im, vectors, &err), SP_EINVAL, "0");
-    int failures = 0;
-    for (int k = 0;; k++) {
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_damped_modes_make(&few, 0.1, SP_SOURCE_IMPULSE, &m, &err);
-        sp_alloc_fail_after(-1);
-        sp_damped_modes_free(&m);
-        if (status == SP_OK)
-            break;
-        assert_int_equal(status, SP_ENOMEM);
-        failures++;
-    }
-    assert_true(failures > 10);
+    EACH_ALLOCATION_FAILS(10, sp_damped_modes_make(&few, 0.1, SP_SOURCE_IMPULSE, &m, &err), sp_damped_modes_free(&m));
     sp_network_free(&net);
     sp_network_free(&few);
     sp_packing_free(&p);

@@ -55,8 +55,8 @@ static void signals_are_checked(void **state) {
 
 static sp_table some_table(void) {
     sp_table t = sp_table_none();
-    assert_ok(sp_table_add_column(&t, "t", "s", SP_CELL_NUMBER, &err));
-    assert_ok(sp_table_add_column(&t, "1 name", "", SP_CELL_TEXT, &err));
+    assert_ok(sp_table_add_column(&t, "t", "s", SP_COLUMN_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "1 name", "", SP_COLUMN_TEXT, &err));
     assert_ok(sp_table_add_comment(&t, &err, "pressure = 1 \xc2\xb5Pa"));
     for (int k = 0; k < 3; k++)
         assert_ok(sp_table_add_row(&t, &err, 0.5 * k, k == 1 ? "" : "word"));

@@ -63,9 +63,9 @@ static void no_memory_to_open(void **state) {
 static void no_memory_for_a_row(void **state) {
     (void)state;
     sp_table t = sp_table_none();
-    assert_ok(sp_table_add_column(&t, "file", "", SP_CELL_TEXT, &err));
-    assert_ok(sp_table_add_column(&t, "x", "", SP_CELL_NUMBER, &err));
-    assert_ok(sp_table_add_column(&t, "reason", "", SP_CELL_TEXT, &err));
+    assert_ok(sp_table_add_column(&t, "file", "", SP_COLUMN_TEXT, &err));
+    assert_ok(sp_table_add_column(&t, "x", "", SP_COLUMN_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "reason", "", SP_COLUMN_TEXT, &err));
     assert_ok(sp_table_add_row(&t, &err, "a", 1.0, "-"));
     for (int fails = 0; fails < 2; fails++) {
         sp_alloc_fail_after(fails);

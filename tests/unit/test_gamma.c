@@ -134,7 +134,7 @@ TEST(test_motion) {
         for (int k = 0; k < 3; k++) {
             sp_signal s = sp_signal_none();
             o.amplitude = amplitudes[k];
-            assert_ok(sp_signal_dynamics(&p, &net, &o, &s, &err));
+            assert_ok(sp_signal_compute(&p, &net, &o, &s, &err));
             differ[k] = difference(POINTS, s.f, linear.f);
             sp_signal_free(&s);
         }

@@ -225,16 +225,8 @@ TEST(test_memory) {
     double t[TIMES];
     fill_times(t, 10, 60);
     const sp_coda_options o = options_of(t);
-    for (int k = 0, done = 0; !done; k++) {
-        sp_coda c = sp_coda_none();
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_coda_make(&net, &o, &c, &err);
-        sp_alloc_fail_after(-1);
-        done = status == SP_OK;
-        assert_true(done || (status == SP_ENOMEM && !c.kernel));
-        sp_coda_free(&c);
-    }
+    sp_coda c = sp_coda_none();
+    EACH_ALLOCATION_FAILS(3, sp_coda_make(&net, &o, &c, &err), assert_true(!lacks || !c.kernel), sp_coda_free(&c));
     sp_network_free(&net);
     sp_packing_free(&p);
 }

@@ -263,16 +263,8 @@ TEST(test_memory) {
     sp_packing p = chain_packing(4, 1e-4);
     sp_design_options o = sp_design_options_default();
     o.iterations = 2;
-    for (int k = 0, done = 0; !done; k++) {
-        sp_design d = sp_design_none();
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_design_make(&p, &o, &d, &err);
-        sp_alloc_fail_after(-1);
-        done = status == SP_OK;
-        assert_true(done || (status == SP_ENOMEM && !d.factor));
-        sp_design_free(&d);
-    }
+    sp_design d = sp_design_none();
+    EACH_ALLOCATION_FAILS(10, sp_design_make(&p, &o, &d, &err), assert_true(!lacks || !d.factor), sp_design_free(&d));
     sp_packing_free(&p);
 }
 

@@ -201,16 +201,9 @@ TEST(test_memory) {
     o.margin = 0;
     o.errors.force = 0.1;
     o.errors.missing = 0.5;
-    for (int k = 0, done = 0; !done; k++) {
-        sp_uncertainty u = sp_uncertainty_none();
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_uncertainty_make(&p, &o, &u, &err);
-        sp_alloc_fail_after(-1);
-        done = status == SP_OK;
-        assert_true(done || (status == SP_ENOMEM && !u.quantity));
-        sp_uncertainty_free(&u);
-    }
+    sp_uncertainty u = sp_uncertainty_none();
+    EACH_ALLOCATION_FAILS(10, sp_uncertainty_make(&p, &o, &u, &err), assert_true(!lacks || !u.quantity),
+                          sp_uncertainty_free(&u));
     sp_packing_free(&p);
 }
 

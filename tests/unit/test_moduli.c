@@ -400,17 +400,7 @@ TEST(test_floppy_parts) {
 
 static void fail_every_allocation(const sp_network *net) {
     sp_moduli m;
-    for (int k = 0;; k++) {
-        sp_error reason = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_moduli_make(net, 0.5, &m, &reason);
-        sp_alloc_fail_after(-1);
-        if (status == SP_OK) {
-            assert_true(k > 5);
-            break;
-        }
-        assert_int_equal(status, SP_ENOMEM);
-    }
+    EACH_ALLOCATION_FAILS(5, sp_moduli_make(net, 0.5, &m, &err), );
 }
 
 TEST(test_refusals) {

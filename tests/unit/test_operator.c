@@ -167,20 +167,9 @@ TEST(test_refusals) {
 TEST(test_no_memory) {
     kind k = {"chain", chain_packing(3000, 1e-4), false, 2, 4};
     sp_network net = network_of(&k);
-    for (int q = 0;; q++) {
-        sp_operator op = {0};
-        sp_error err = {0};
-        sp_alloc_fail_after(q);
-        const sp_status status = sp_operator_make(&net, &op, &err);
-        sp_alloc_fail_after(-1);
-        assert_true(status == SP_OK || op.first == NULL);
-        sp_operator_free(&op);
-        if (status == SP_OK) {
-            assert_true(q > 12);
-            break;
-        }
-        assert_int_equal(status, SP_ENOMEM);
-    }
+    sp_operator op = {0};
+    EACH_ALLOCATION_FAILS(12, sp_operator_make(&net, &op, &err), assert_true(!lacks || !op.first),
+                          sp_operator_free(&op));
     sp_network_free(&net);
     sp_packing_free(&k.p);
 }

@@ -401,4 +401,12 @@ TEST(test_audit_box) {
     sp_packing_free(&p);
 }
 
+TEST(nothing_given) {
+    const sp_pack_spec spec = sp_pack_spec_default();
+    sp_packing p = sp_packing_none();
+    assert_fails(sp_packing_make(NULL, NULL, NULL, &p, &err), SP_EINVAL, "spec");
+    assert_fails(sp_packing_make(&spec, NULL, NULL, NULL, &err), SP_EINVAL, "packing");
+    assert_fails(sp_packing_make_with(NULL, NULL, &p, &err), SP_EINVAL, "spec");
+}
+
 RUN_TESTS(NULL, NULL)

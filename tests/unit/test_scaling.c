@@ -319,19 +319,10 @@ TEST(wrong_input) {
 }
 
 TEST(lack_of_memory) {
-    sp_status status = SP_ENOMEM;
-    int64_t k;
-    for (k = 0; status != SP_OK; k++) {
-        data d = make(3, 4, false);
-        sp_scaling s = {0};
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        status = sp_scaling_make(input(&d), &s, &err);
-        sp_alloc_fail_after(-1);
-        assert_true(status == SP_OK || (status == SP_ENOMEM && !s.row));
-        sp_scaling_free(&s);
-    }
-    assert_true(k > 5);
+    data d = make(3, 4, false);
+    sp_scaling s = {0};
+    EACH_ALLOCATION_FAILS(4, (d = make(3, 4, false), sp_scaling_make(input(&d), &s, &err)),
+                          assert_true(!lacks || !s.row), sp_scaling_free(&s));
 }
 
 RUN_TESTS(NULL, NULL)

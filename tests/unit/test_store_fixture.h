@@ -153,7 +153,7 @@ static inline sp_packing fixture_packing(uint64_t seed, int dim, int32_t n) {
 }
 
 /* The same in a cell of another kind, with gravity: a tilted periodic one, or one with contacts at all walls. */
-static inline sp_packing fixture_cell(uint64_t seed, int dim, int32_t n, sp_boundary cell) {
+static inline sp_packing fixture_cell(uint64_t seed, int dim, int32_t n, sp_cell cell) {
     sp_packing p = fixture_packing(seed, dim, n);
     uint64_t state = ~seed;
     p.cell = cell;

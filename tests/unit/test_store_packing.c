@@ -27,7 +27,7 @@ static void every_bit_is_kept(void **state) {
             for (int dim = 1; dim <= 3; dim++)
                 for (uint64_t seed = 0; seed < 12; seed++) {
                     sp_packing p = cell < 0 ? fixture_packing(seed, dim, seed < 4 ? 1 + (int32_t)seed : 50)
-                                            : fixture_cell(seed, dim, 50, (sp_boundary)cell),
+                                            : fixture_cell(seed, dim, 50, (sp_cell)cell),
                                q = sp_packing_none();
                     assert_ok(round_trip(form, &p, &q, &err));
                     assert_same_packing(&p, &q);

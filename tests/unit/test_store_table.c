@@ -5,10 +5,10 @@
 
 static sp_table example(void) {
     sp_table t = sp_table_none();
-    assert_ok(sp_table_add_column(&t, "file", "", SP_CELL_TEXT, &err));
-    assert_ok(sp_table_add_column(&t, "p", "E*", SP_CELL_NUMBER, &err));
-    assert_ok(sp_table_add_column(&t, "n", "", SP_CELL_INTEGER, &err));
-    assert_ok(sp_table_add_column(&t, "c_l", "sqrt(E* / rho)", SP_CELL_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "file", "", SP_COLUMN_TEXT, &err));
+    assert_ok(sp_table_add_column(&t, "p", "E*", SP_COLUMN_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "n", "", SP_COLUMN_INTEGER, &err));
+    assert_ok(sp_table_add_column(&t, "c_l", "sqrt(E* / rho)", SP_COLUMN_NUMBER, &err));
     assert_ok(sp_table_add_comment(&t, &err, "pressure = %g", 1e-4));
     assert_ok(sp_table_add_row(&t, &err, "a b.h5", 0.1, (int64_t)-7, NAN));
     assert_ok(sp_table_add_row(&t, &err, "#tab\tline\nback\\slash,\"q\"", 1.0 / 3, INT64_MAX, -INFINITY));
@@ -90,8 +90,8 @@ static void lenient_reading(void **state) {
     sp_table_free(&t);
     /* a header at blanks; one column is text because one cell is no number */
     assert_ok(read_text("t F who\n0 1 2\n1 nan x\n", &t, &err));
-    assert_int_equal(t.column[1].kind, SP_CELL_NUMBER);
-    assert_int_equal(t.column[2].kind, SP_CELL_TEXT);
+    assert_int_equal(t.column[1].kind, SP_COLUMN_NUMBER);
+    assert_int_equal(t.column[2].kind, SP_COLUMN_TEXT);
     assert_true(isnan(sp_table_number(&t, 1, 1)));
     assert_string_equal(t.cells[2].text, "2");
     sp_table_free(&t);
@@ -214,14 +214,14 @@ static void many_columns(void **state) {
     for (int c = 0; c < MANY; c++) {
         char name[16];
         snprintf(name, sizeof name, "F%d", c);
-        assert_ok(sp_table_add_column(&t, name, "d", SP_CELL_NUMBER, &err));
+        assert_ok(sp_table_add_column(&t, name, "d", SP_COLUMN_NUMBER, &err));
     }
     for (int k = 0; k < 70; k++) {
         for (int c = 0; c < MANY; c++)
             row[c] = c + k / 64.0;
         assert_ok(sp_table_add_numbers(&t, row, &err));
     }
-    assert_fails(sp_table_add_column(&t, "late", "", SP_CELL_NUMBER, &err), SP_EINVAL, "late");
+    assert_fails(sp_table_add_column(&t, "late", "", SP_COLUMN_NUMBER, &err), SP_EINVAL, "late");
     char *text = sp_table_text(&t, SP_TSV);
     assert_non_null(text);
     assert_ok(read_text(text, &back, &err));

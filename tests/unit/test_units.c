@@ -119,10 +119,10 @@ TEST(refused_quantities) {
 
 static sp_table example(void) {
     sp_table t = sp_table_none();
-    assert_ok(sp_table_add_column(&t, "n", "", SP_CELL_INTEGER, &err));
-    assert_ok(sp_table_add_column(&t, "t", "d/sqrt(E* / rho)", SP_CELL_NUMBER, &err));
-    assert_ok(sp_table_add_column(&t, "F", "E* d^2", SP_CELL_NUMBER, &err));
-    assert_ok(sp_table_add_column(&t, "seconds", "s", SP_CELL_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "n", "", SP_COLUMN_INTEGER, &err));
+    assert_ok(sp_table_add_column(&t, "t", "d/sqrt(E* / rho)", SP_COLUMN_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "F", "E* d^2", SP_COLUMN_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "seconds", "s", SP_COLUMN_NUMBER, &err));
     static const char *const comments[] = {"height = 24.5",
                                            "pressure = 1e-4, grains = 30, width = 8, friction = 0.5",
                                            "complete = 0.25:inf",
@@ -186,21 +186,15 @@ TEST(a_table_that_cannot_be_converted) {
     sp_free(after);
     sp_table_free(&t);
     t = sp_table_none();
-    assert_ok(sp_table_add_column(&t, "n", "d", SP_CELL_INTEGER, &err));
+    assert_ok(sp_table_add_column(&t, "n", "d", SP_COLUMN_INTEGER, &err));
     assert_int_equal(sp_table_to_si(&t, &glass, NULL), SP_EINVAL);
     sp_table_free(&t);
 }
 
 TEST(without_memory) {
-    sp_status status = SP_ENOMEM;
-    for (int64_t k = 0; status == SP_ENOMEM; k++) {
-        sp_table t = example();
-        sp_alloc_fail_after(k);
-        status = sp_table_to_si(&t, &glass, NULL);
-        sp_alloc_fail_after(-1);
-        sp_table_free(&t);
-    }
-    assert_int_equal(status, SP_OK);
+    sp_table t = example();
+    EACH_ALLOCATION_FAILS(3, sp_table_to_si(&t, &glass, &err), sp_table_free(&t), t = example());
+    sp_table_free(&t);
 }
 
 RUN_TESTS(NULL, NULL)

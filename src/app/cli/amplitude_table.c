@@ -57,15 +57,15 @@ static void measure(const sp_amplitude_front *a, double value[AMPLITUDE_QUANTITI
 
 static void quantity_columns(cli_writer *w) {
     for (int q = 0; q < AMPLITUDE_QUANTITIES; q++) {
-        cli_columns(w, SP_CELL_NUMBER, quantities[q].name, quantities[q].unit, NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, quantities[q].name, quantities[q].unit, NULL);
         if (quantities[q].error)
-            cli_columns(w, SP_CELL_NUMBER, quantities[q].error, quantities[q].unit, NULL);
+            cli_columns(w, SP_COLUMN_NUMBER, quantities[q].error, quantities[q].unit, NULL);
     }
 }
 
 void amplitude_add_columns(cli_writer *w) {
-    cli_columns(w, SP_CELL_TEXT, "file", "", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "p", "E*", "amplitude", "", NULL);
+    cli_columns(w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "p", "E*", "amplitude", "", NULL);
     quantity_columns(w);
 }
 
@@ -125,9 +125,9 @@ static double mean_error(const amplitude_group *g, int q) {
 }
 
 void amplitude_mean_rows(const amplitude_means *m, cli_writer *w) {
-    cli_columns(w, SP_CELL_INTEGER, "dimension", "", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "friction", "", "p", "E*", "amplitude", "", NULL);
-    cli_columns(w, SP_CELL_INTEGER, "packings", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "dimension", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "friction", "", "p", "E*", "amplitude", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "packings", "", NULL);
     quantity_columns(w);
     for (int32_t k = 0; k < m->n; k++) {
         const amplitude_group *g = &m->group[k];
@@ -174,8 +174,8 @@ static sp_status expect(const sp_packing *p, double overpressure, expected *out,
 }
 
 void amplitude_plane_columns(cli_writer *w) {
-    cli_columns(w, SP_CELL_TEXT, "file", "", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "p", "E*", "amplitude", "", "y", "d", "t10", TIME, "t10_err", TIME, "t_peak", TIME,
+    cli_columns(w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "p", "E*", "amplitude", "", "y", "d", "t10", TIME, "t10_err", TIME, "t_peak", TIME,
                 "t_peak_err", TIME, "overpressure", "", "overpressure_err", "", "speed", SPEED, "speed_err", SPEED,
                 "speed_peak", SPEED, "speed_peak_err", SPEED, "solitary", SPEED, "kdv", SPEED, "nesterenko", SPEED,
                 NULL);
@@ -218,13 +218,13 @@ void amplitude_plane_rows(const cli_file *file, const sp_amplitude_options *o, d
 /* ---- harmonics of bursts ---------------------------------------------------------------------------------------- */
 
 void amplitude_burst_columns(bool planes, cli_writer *w) {
-    cli_columns(w, SP_CELL_TEXT, "file", "", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "p", "E*", "amplitude", "", "omega", RATE, NULL);
+    cli_columns(w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "p", "E*", "amplitude", "", "omega", RATE, NULL);
     if (planes)
-        cli_columns(w, SP_CELL_NUMBER, "y", "d", "F1", "", "F1_err", "", "F2", "", "F2_err", "", "F3", "", "F3_err", "",
-                    "F0", "", "F0_err", "", "ratio", "", "ratio_err", "", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, "y", "d", "F1", "", "F1_err", "", "F2", "", "F2_err", "", "F3", "", "F3_err",
+                    "", "F0", "", "F0_err", "", "ratio", "", "ratio_err", "", NULL);
     else
-        cli_columns(w, SP_CELL_NUMBER, "k", "1/d", "k_err", "1/d", "speed", SPEED, "speed_err", SPEED, "slope", "1/d",
+        cli_columns(w, SP_COLUMN_NUMBER, "k", "1/d", "k_err", "1/d", "speed", SPEED, "speed_err", SPEED, "slope", "1/d",
                     "slope_err", "1/d", "beta", "", "beta_err", "", "beta_delta", "", "beta_delta_err", "",
                     "beta_field", "", "balance", "", "step", TIME, NULL);
 }

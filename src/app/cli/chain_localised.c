@@ -39,8 +39,8 @@ sp_status chain_localised_table(const chain_localised *of, cli_writer *w) {
         spring[j] = 1;
     cli_comment(w, "grains = %lld", (long long)of->grains);
     cli_value(w, "disorder", of->disorder);
-    cli_columns(w, SP_CELL_NUMBER, "omega", "c/l", "gamma", "1/l", "gamma_err", "1/l", "length", "l", "length_err", "l",
-                "length_low", "l", "law", "1/l", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", "c/l", "gamma", "1/l", "gamma_err", "1/l", "length", "l", "length_err",
+                "l", "length_low", "l", "law", "1/l", NULL);
     rows(of, n, omega, mass, spring, w);
     sp_free(mass);
     return w->status;

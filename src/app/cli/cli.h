@@ -239,11 +239,11 @@ typedef struct cli_writer {
     sp_error *err;
     sp_status status; /* SP_OK at the start */
     int cells;        /* of the row that is being made */
-    sp_cell cell[CLI_CELLS_MAX];
+    sp_entry cell[CLI_CELLS_MAX];
 } cli_writer;
 
 /* Columns of one kind: pairs of name and unit, ended by NULL. */
-void cli_columns(cli_writer *w, sp_cell_kind kind, ...) __attribute__((sentinel));
+void cli_columns(cli_writer *w, sp_column_kind kind, ...) __attribute__((sentinel));
 void cli_comment(cli_writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* The comment "key = value", with all digits of the value. */
 void cli_value(cli_writer *w, const char *key, double value);

@@ -94,8 +94,8 @@ static const cli_syntax syntax = {
 
 static sp_status add_columns(sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
-    cli_columns(&w, SP_CELL_TEXT, "case", "", "method", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "parameter", "", "seconds", "s", "error", "", "memory_MB", "MB", NULL);
+    cli_columns(&w, SP_COLUMN_TEXT, "case", "", "method", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "parameter", "", "seconds", "s", "error", "", "memory_MB", "MB", NULL);
     return w.status;
 }
 

@@ -210,8 +210,8 @@ static sp_status front_table(const arguments *a, const units *u, cli_writer *w) 
         w->status = refuse_work(work, w->err);
     cli_comment(w, "errors: 1e-11 of a time; amplitude and widths 1e-14 (1 + N^(2/3)) in units of K l and l/c");
     limit_comments(w, &limit, u);
-    cli_columns(w, SP_CELL_INTEGER, "grains", "", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "t10", u->time_name, "t_peak", u->time_name, "t_zero", u->time_name, "amplitude",
+    cli_columns(w, SP_COLUMN_INTEGER, "grains", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "t10", u->time_name, "t_peak", u->time_name, "t_zero", u->time_name, "amplitude",
                 u->force_name, "width", u->time_name, "width_peak", u->time_name, "gamma", "", "alpha", "",
                 "alpha_peak", "", NULL);
     for (int k = 0; k < count && w->status == SP_OK; k++)
@@ -258,7 +258,7 @@ static sp_status signal_table(const arguments *a, const units *u, cli_writer *w)
     cli_value(w, "error", (sp_chain_signal_error(&chain, until) + 1e-15) * u->force);
     cli_comment(w, "airy: of an infinitely long chain, twice (16) of Somfai et al. 2005%s",
                 chain.source == SP_CHAIN_VELOCITY ? "" : ", differentiated");
-    cli_columns(w, SP_CELL_NUMBER, "t", u->time_name, "F", u->force_name, "airy", u->force_name, NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "t", u->time_name, "F", u->force_name, "airy", u->force_name, NULL);
     return w->status == SP_OK ? signal_rows(a, u, &chain, from, until, w) : w->status;
 }
 
@@ -269,8 +269,8 @@ static sp_status modes_table(const arguments *a, cli_writer *w) {
         return w->status;
     cli_value(w, "relative_error", 1e-15);
     cli_comment(w, "F(t) = sum of a b %s(omega t)", source == SP_CHAIN_VELOCITY ? "sin" : "cos");
-    cli_columns(w, SP_CELL_INTEGER, "n", "", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "omega", "c/l", "a", "l", "b", "K", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", "c/l", "a", "l", "b", "K", NULL);
     for (int64_t n = 1; n <= grains && w->status == SP_OK; n++) {
         const double b = 0.5 * ((double)grains + 1) * sp_chain_amplitude(grains, n, SP_CHAIN_DISPLACEMENT);
         w->status = sp_table_add_row(w->table, w->err, n, sp_chain_omega(grains, n),
@@ -299,7 +299,7 @@ static sp_status soliton_row(const char *text, size_t length, cli_writer *w) {
 static sp_status soliton_table(const arguments *a, cli_writer *w) {
     const char *text = a->peaks ? a->peaks : "0.001,0.01,0.1,1,10,100,1000,inf";
     cli_comment(w, "relative_error: of speed, velocity and width, an estimate");
-    cli_columns(w, SP_CELL_NUMBER, "peak", "", "force", "", "speed", "c", "kdv", "c", "nesterenko", "c", "velocity",
+    cli_columns(w, SP_COLUMN_NUMBER, "peak", "", "force", "", "speed", "c", "kdv", "c", "nesterenko", "c", "velocity",
                 "c delta0/l", "width", "l", "kdv_width", "l", "speed_at_peak", "", "nesterenko_at_peak", "",
                 "velocity_at_peak", "", "relative_error", "", NULL);
     for (int rows = 0; w->status == SP_OK; rows++) {

@@ -40,10 +40,10 @@ static const cli_syntax syntax = {
 static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
     (void)user;
-    cli_columns(&w, SP_CELL_TEXT, "file", "", "ok", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "residual", "", NULL);
-    cli_columns(&w, SP_CELL_TEXT, "reason", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "force", "", "torque", "", "walls", "", "law", "", "geometry", "", "coulomb", "",
+    cli_columns(&w, SP_COLUMN_TEXT, "file", "", "ok", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "residual", "", NULL);
+    cli_columns(&w, SP_COLUMN_TEXT, "reason", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "force", "", "torque", "", "walls", "", "law", "", "geometry", "", "coulomb", "",
                 "missing", "", NULL);
     return w.status;
 }

@@ -424,13 +424,13 @@ static sp_status begin(void *user, sp_table *t, sp_error *err) {
     const arguments *a = user;
     cli_writer w = {.table = t, .err = err};
     if (a->trials > 0) {
-        cli_columns(&w, SP_CELL_INTEGER, "grain", "", "found", "", "rank", "", NULL);
-        cli_columns(&w, SP_CELL_NUMBER, "distance", "d", "probability", "", "change", "", "change_err", "", "misfit",
+        cli_columns(&w, SP_COLUMN_INTEGER, "grain", "", "found", "", "rank", "", NULL);
+        cli_columns(&w, SP_COLUMN_NUMBER, "distance", "d", "probability", "", "change", "", "change_err", "", "misfit",
                     "", NULL);
         return w.status;
     }
-    cli_columns(&w, SP_CELL_INTEGER, "grain", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "x", "d", "y", "d", "z", "d", "probability", "", "change", "", "change_err", "",
+    cli_columns(&w, SP_COLUMN_INTEGER, "grain", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "probability", "", "change", "", "change_err", "",
                 "misfit", "", NULL);
     return w.status;
 }

@@ -125,14 +125,14 @@ static sp_status begin(void *user, sp_table *t, sp_error *err) {
             return status;
     }
     if (a->rows == ROWS_GRAINS) {
-        cli_columns(&w, SP_CELL_INTEGER, "grain", "", NULL);
-        cli_columns(&w, SP_CELL_NUMBER, "x", "d", "y", "d", "z", "d", "r", "d", "factor", "", NULL);
+        cli_columns(&w, SP_COLUMN_INTEGER, "grain", "", NULL);
+        cli_columns(&w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "r", "d", "factor", "", NULL);
         return w.status;
     }
     const char *const name = is_band(a) ? "energy" : "t10", *const unit = is_band(a) ? "" : "d/sqrt(E* / rho)";
-    cli_columns(&w, SP_CELL_INTEGER, "step", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, name, unit, is_band(a) ? "energy_err" : "t10_err", unit, "predicted", unit, NULL);
-    cli_columns(&w, SP_CELL_INTEGER, "at_limit", "", NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "step", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, name, unit, is_band(a) ? "energy_err" : "t10_err", unit, "predicted", unit, NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "at_limit", "", NULL);
     return w.status;
 }
 

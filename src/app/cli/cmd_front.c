@@ -124,7 +124,7 @@ static sp_status packing_front(arguments *a, const cli_file *file, arrival *out,
 /* The k-th column of numbers, counted from 0; -1 if there are fewer. */
 static int number_column(const sp_table *t, int k) {
     for (int c = 0; c < t->columns; c++)
-        if (t->column[c].kind != SP_CELL_TEXT && k-- == 0)
+        if (t->column[c].kind != SP_COLUMN_TEXT && k-- == 0)
             return c;
     return -1;
 }
@@ -140,7 +140,8 @@ static sp_status find_columns(const arguments *a, const sp_table *t, const char 
         *force = number_column(t, number_column(t, 0) == *time ? 1 : 0);
     if (*force < 0 && a->column && cli_integer("--column", a->column, 1, t->columns, &number, NULL) == SP_OK)
         *force = (int)number - 1;
-    if (*time < 0 || *force < 0 || t->column[*time].kind == SP_CELL_TEXT || t->column[*force].kind == SP_CELL_TEXT) {
+    if (*time < 0 || *force < 0 || t->column[*time].kind == SP_COLUMN_TEXT ||
+        t->column[*force].kind == SP_COLUMN_TEXT) {
         if (a->column)
             return sp_fail(err, SP_EFORMAT, "%s: has no column %.60s of numbers beside the times", path, a->column);
         return sp_fail(err, SP_EFORMAT,
@@ -215,9 +216,9 @@ static sp_status trace_front(const arguments *a, const char *path, const sp_tabl
 static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
     (void)user;
-    cli_columns(&w, SP_CELL_TEXT, "file", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "distance", "", "t10", "", "t_peak", "", "t_zero", "", "amplitude", "", "width", "",
-                NULL);
+    cli_columns(&w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "distance", "", "t10", "", "t_peak", "", "t_zero", "", "amplitude", "", "width",
+                "", NULL);
     return w.status;
 }
 

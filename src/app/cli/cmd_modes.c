@@ -169,12 +169,12 @@ static void add_comments(const arguments *a, const cli_file *file, const sp_mode
 }
 
 static void add_columns(bool vectors, cli_writer *w) {
-    cli_columns(w, SP_CELL_INTEGER, "n", "", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "omega", MODES_FREQUENCY, NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", MODES_FREQUENCY, NULL);
     if (vectors)
-        cli_columns(w, SP_CELL_NUMBER, "a", "d sqrt(rho d^3)", "b", "E* d/sqrt(rho d^3)", "ab", "E* d^2",
+        cli_columns(w, SP_COLUMN_NUMBER, "a", "d sqrt(rho d^3)", "b", "E* d/sqrt(rho d^3)", "ab", "E* d^2",
                     "participation", "", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "error", MODES_FREQUENCY, NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "error", MODES_FREQUENCY, NULL);
 }
 
 static sp_status undamped(const arguments *a, const cli_file *file, sp_table *t, sp_error *err) {

@@ -153,11 +153,11 @@ static void explain(const arguments *a, const cli_file *file, double density, co
 /* The rest of the tensor, of cells without a piston: rows and columns of C, in Voigt's notation. */
 static void whole_columns(int dim, cli_writer *w) {
     if (dim == 3)
-        cli_columns(w, SP_CELL_NUMBER, "C14", "E*", "C15", "E*", "C16", "E*", "C24", "E*", "C25", "E*", "C26", "E*",
+        cli_columns(w, SP_COLUMN_NUMBER, "C14", "E*", "C15", "E*", "C16", "E*", "C24", "E*", "C25", "E*", "C26", "E*",
                     "C34", "E*", "C35", "E*", "C36", "E*", "C45", "E*", "C46", "E*", "C56", "E*", NULL);
     else
-        cli_columns(w, SP_CELL_NUMBER, "C13", "E*", "C23", "E*", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "K", "E*", "K_err", "E*", "G", "E*", "G_err", "E*", "anisotropy", "",
+        cli_columns(w, SP_COLUMN_NUMBER, "C13", "E*", "C23", "E*", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "K", "E*", "K_err", "E*", "G", "E*", "G_err", "E*", "anisotropy", "",
                 "anisotropy_err", "", "C_err", "E*", NULL);
 }
 
@@ -296,17 +296,17 @@ static void strained_rows(const arguments *a, const cli_file *file, cli_writer *
 static bool has_probes(const arguments *a) { return a->probes > 1 || (a->probes == 1 && !a->probe[0].global); }
 
 static void add_columns(const arguments *a, int dim, cli_writer *w) {
-    cli_columns(w, SP_CELL_TEXT, "file", "", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "p", "E*", NULL);
+    cli_columns(w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "p", "E*", NULL);
     if (a->strains > 0) {
-        cli_columns(w, SP_CELL_NUMBER, "strain", "", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, "strain", "", NULL);
         cli_quantity_columns(w, sp_moduli_quantities, moduli_of(dim));
-        cli_columns(w, SP_CELL_INTEGER, "sliding", "", "lost", "", "made", "", NULL);
-        cli_columns(w, SP_CELL_NUMBER, "residual", "", NULL);
+        cli_columns(w, SP_COLUMN_INTEGER, "sliding", "", "lost", "", "made", "", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, "residual", "", NULL);
     } else if (has_probes(a)) {
         if (a->probes > 1)
-            cli_columns(w, SP_CELL_TEXT, "probe", "", NULL);
-        cli_columns(w, SP_CELL_NUMBER, dim == 3 ? "C33" : "C22", "E*", dim == 3 ? "C55" : "C33", "E*",
+            cli_columns(w, SP_COLUMN_TEXT, "probe", "", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, dim == 3 ? "C33" : "C22", "E*", dim == 3 ? "C55" : "C33", "E*",
                     dim == 3 ? "C33_ratio" : "C22_ratio", "", dim == 3 ? "C55_ratio" : "C33_ratio", "", NULL);
     } else {
         cli_quantity_columns(w, sp_moduli_quantities, moduli_of(dim));

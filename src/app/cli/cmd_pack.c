@@ -205,12 +205,12 @@ static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_p
     w.status = sp_packing_rattlers(p, threshold, NULL, NULL, &rattlers, err);
     if (w.status == SP_OK)
         w.status = sp_statics_make(p, threshold, 3, &statics, err);
-    cli_columns(&w, SP_CELL_INTEGER, "grains", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "height", "d", "p", "E*", "z_star", "", NULL);
-    cli_columns(&w, SP_CELL_INTEGER, "rattlers", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "residual", "E* / (rho d)", NULL);
-    cli_columns(&w, SP_CELL_INTEGER, "steps", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "seconds", "s", NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "grains", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "height", "d", "p", "E*", "z_star", "", NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "rattlers", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "residual", "E* / (rho d)", NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "steps", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "seconds", "s", NULL);
     if (w.status == SP_OK)
         w.status = sp_table_add_row(&t, err, (int64_t)p->n, sp_packing_height(p), p->pressure, statics.zs,
                                     (int64_t)rattlers, p->residual, p->steps, p->seconds);

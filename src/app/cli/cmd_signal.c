@@ -176,13 +176,13 @@ static sp_status set_options(arguments *a, const sp_scene *scene, const sp_packi
 static void name_columns(const arguments *a, const sp_signal *s, cli_writer *w) {
     char from[SP_PLACE_TEXT], to[SP_PLACE_TEXT], error[SP_NUMBER_TEXT], name[16] = "F";
     const int32_t pairs = s->sources * s->detectors;
-    cli_columns(w, SP_CELL_NUMBER, "t", "d/sqrt(E* / rho)", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "t", "d/sqrt(E* / rho)", NULL);
     for (int32_t k = 0; k < pairs && w->status == SP_OK; k++) {
         sp_place_text(&a->sources.at[k / s->detectors], true, from);
         sp_place_text(&a->detectors.at[k % s->detectors], false, to);
         if (pairs > 1)
             snprintf(name, sizeof name, "F%d", k + 1);
-        cli_columns(w, SP_CELL_NUMBER, name, "E* d^2", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, name, "E* d^2", NULL);
         cli_comment(w, "%s = from %s to %s, error %s", name, from, to, sp_number_text(s->errors[k], error));
     }
 }
@@ -267,7 +267,7 @@ static sp_status compute(void *user, cli_file *file, sp_table *t, sp_error *err)
     sp_status status = set_and_check(a, file, &o, err);
     if (status == SP_OK)
         status = a->pulse.word ? sp_signal_pulse(&file->network, &o, &a->pulse.pulse, &s, err)
-                               : sp_signal_dynamics(&file->packing, &file->network, &o, &s, err);
+                               : sp_signal_compute(&file->packing, &file->network, &o, &s, err);
     if (status == SP_OK)
         status = add_signal(a, file, &o, &s, t, err);
     if (status == SP_OK)

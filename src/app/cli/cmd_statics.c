@@ -36,8 +36,8 @@ static const cli_syntax syntax = {
 static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
     (void)user;
-    cli_columns(&w, SP_CELL_TEXT, "file", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "p", "E*", NULL);
+    cli_columns(&w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "p", "E*", NULL);
     cli_quantity_columns(&w, sp_statics_quantities, RATIOS);
     return w.status;
 }

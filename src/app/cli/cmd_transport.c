@@ -399,9 +399,9 @@ static void add_columns(const column *c, cli_writer *w) {
     char error[40];
     for (; c->name; c++) {
         snprintf(error, sizeof error, "%s_err", c->name);
-        cli_columns(w, SP_CELL_NUMBER, c->name, c->unit, c->has_error ? error : NULL, c->unit, NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, c->name, c->unit, c->has_error ? error : NULL, c->unit, NULL);
     }
-    cli_columns(w, SP_CELL_INTEGER, "samples", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "samples", "", NULL);
 }
 
 /* A row: what is in front, `at' numbers, then the values with their errors, and how many packings gave the first. */
@@ -420,9 +420,9 @@ static void add_row(const column *c, const mean *m, int at, double *row, cli_wri
 static void print_values(const arguments *a, cli_writer *w) {
     const column *c = columns[a->quantity];
     double row[2 * VALUES_MAX + 4];
-    cli_columns(w, SP_CELL_NUMBER, "omega", RATE, NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", RATE, NULL);
     if (a->quantity == ENERGY)
-        cli_columns(w, SP_CELL_NUMBER, "t", TIME, "plane", "", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, "t", TIME, "plane", "", NULL);
     add_columns(c, w);
     for (int32_t l = 0; l < a->n; l++) {
         row[0] = a->omega[l];
@@ -447,9 +447,9 @@ static void print_coherent(const arguments *a, cli_writer *w) {
         cli_value(w, "ioffe_regel", omega);
         cli_value(w, "ioffe_regel_err", error);
     }
-    cli_columns(w, SP_CELL_NUMBER, "omega", RATE, "k", "1/d", "k_err", "1/d", "alpha", "1/d", "alpha_err", "1/d",
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", RATE, "k", "1/d", "k_err", "1/d", "alpha", "1/d", "alpha_err", "1/d",
                 "path", "d", "path_err", "d", "path_low", "d", "k_path", "", "k_path_err", "", "part", "", NULL);
-    cli_columns(w, SP_CELL_INTEGER, "samples", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "samples", "", NULL);
     for (int32_t l = 0; l < a->n && w->status == SP_OK; l++) {
         const mean *m = means_at(a, l);
         const sp_free_path *p = &path[l];

@@ -103,13 +103,13 @@ static const cli_syntax syntax = {
 static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
     (void)user;
-    cli_columns(&w, SP_CELL_TEXT, "quantity", "", "unit", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "value", "", "sd_first", "", "shift_first", "", "sd", "", "sd_err", "", "bias", "",
-                "bias_err", "", NULL);
-    cli_columns(&w, SP_CELL_INTEGER, "samples", "", NULL);
-    cli_columns(&w, SP_CELL_TEXT, "linear", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "share_position", "", "share_radius", "", "share_force", "", "share_stiffness", "",
-                "share_calibration", "", "share_false", "", NULL);
+    cli_columns(&w, SP_COLUMN_TEXT, "quantity", "", "unit", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "value", "", "sd_first", "", "shift_first", "", "sd", "", "sd_err", "", "bias",
+                "", "bias_err", "", NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "samples", "", NULL);
+    cli_columns(&w, SP_COLUMN_TEXT, "linear", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "share_position", "", "share_radius", "", "share_force", "", "share_stiffness",
+                "", "share_calibration", "", "share_false", "", NULL);
     return w.status;
 }
 

@@ -153,10 +153,10 @@ static sp_status add_rows(void *user, sp_table *t, sp_error *err) {
     const sp_damping law = {a->section.damping_kind, a->section.damping, a->section.damping_ratio};
     if (law.value > 0)
         cli_damping_comment(&w, &law);
-    cli_columns(&w, SP_CELL_NUMBER, "omega", "sqrt(E* / rho)/d", "k", "1/d", "k_err", "1/d", "speed", "sqrt(E* / rho)",
-                "speed_err", "sqrt(E* / rho)", "alpha", "1/d", "alpha_err", "1/d", "part", "", NULL);
-    cli_columns(&w, SP_CELL_INTEGER, "samples", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "k_shift", "1/d", "alpha_shift", "1/d", "Q", "", "Q_err", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "omega", "sqrt(E* / rho)/d", "k", "1/d", "k_err", "1/d", "speed",
+                "sqrt(E* / rho)", "speed_err", "sqrt(E* / rho)", "alpha", "1/d", "alpha_err", "1/d", "part", "", NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "samples", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "k_shift", "1/d", "alpha_shift", "1/d", "Q", "", "Q_err", "", NULL);
     for (int32_t l = 0; l < a->n && w.status == SP_OK; l++) {
         const sums *s = &a->sum[l];
         const double k = mean(s->k, s->n), k_err = error_of_mean(s->k, s->kk, s->n), speed = a->omega[l] / k,

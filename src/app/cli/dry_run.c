@@ -21,9 +21,9 @@ sp_status cli_plan_begin(const cli_common *common, unsigned kernels, cli_plan *p
             cli_comment(&plan->w, "machine_%s = %.2f", names[k], plan->machine.slower[k]);
     cli_comment(&plan->w, "machine: time of a kernel on this machine, now, over that on the machine of the laws");
     cli_comment(&plan->w, "accuracy = 2 (factor of cpu_s and wall_s in nine cases of ten; wall_s on free cores)");
-    cli_columns(&plan->w, SP_CELL_TEXT, "what", "", NULL);
-    cli_columns(&plan->w, SP_CELL_INTEGER, "count", "", NULL);
-    cli_columns(&plan->w, SP_CELL_NUMBER, "cpu_s", "s", "wall_s", "s", "memory_MB", "MB", "disk_MB", "MB", NULL);
+    cli_columns(&plan->w, SP_COLUMN_TEXT, "what", "", NULL);
+    cli_columns(&plan->w, SP_COLUMN_INTEGER, "count", "", NULL);
+    cli_columns(&plan->w, SP_COLUMN_NUMBER, "cpu_s", "s", "wall_s", "s", "memory_MB", "MB", "disk_MB", "MB", NULL);
     return plan->w.status;
 }
 

@@ -95,7 +95,7 @@ sp_status cli_pulse_parse(const char *word, cli_pulse *out, sp_error *err) {
 }
 
 static sp_status take_points(cli_pulse *p, const char *path, const sp_table *t, sp_error *err) {
-    if (t->columns < 2 || t->column[0].kind == SP_CELL_TEXT || t->column[1].kind == SP_CELL_TEXT)
+    if (t->columns < 2 || t->column[0].kind == SP_COLUMN_TEXT || t->column[1].kind == SP_COLUMN_TEXT)
         return sp_fail(err, SP_EFORMAT, "%s: is no pulse: must be a table with columns of times and strengths", path);
     p->points = sp_alloc(2 * (size_t)t->rows, sizeof *p->points);
     if (!p->points)

@@ -6,8 +6,8 @@ sp_status modes_damped(const sp_packing *p, const sp_network *net, const sp_damp
                        sp_error *err) {
     sp_damped_modes m = sp_damped_modes_none();
     cli_writer w = {.table = t, .err = err, .status = sp_damped_modes_with(net, law, source, &m, err)};
-    cli_columns(&w, SP_CELL_INTEGER, "n", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "omega", MODES_FREQUENCY, "decay", MODES_FREQUENCY, "cosine", "E* d^2", "sine",
+    cli_columns(&w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "omega", MODES_FREQUENCY, "decay", MODES_FREQUENCY, "cosine", "E* d^2", "sine",
                 "E* d^2", "error", MODES_FREQUENCY, "Q", "", "Q_err", "", NULL);
     cli_value(&w, "pressure", p->pressure);
     cli_damping_comment(&w, law);

@@ -11,8 +11,8 @@ static double known(int64_t count) { return count < 0 ? NAN : (double)count; }
 sp_status modes_stability(const sp_packing *p, const sp_network *net, sp_table *t, sp_error *err) {
     sp_stability s = {0};
     cli_writer w = {.table = t, .err = err, .status = sp_stability_make(p, net, &s, err)};
-    cli_columns(&w, SP_CELL_TEXT, "verdict", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "negative", "", "flutter", "", "zero", "", "softest", "E* / (rho d^2)", "growth",
+    cli_columns(&w, SP_COLUMN_TEXT, "verdict", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "negative", "", "flutter", "", "zero", "", "softest", "E* / (rho d^2)", "growth",
                 MODES_FREQUENCY, "growth_bound", MODES_FREQUENCY, "error", "E* / (rho d^2)", NULL);
     cli_value(&w, "pressure", p->pressure);
     cli_comment(&w, "method = %s", s.dense ? "dense" : "counts");

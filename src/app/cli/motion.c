@@ -16,12 +16,12 @@ static const char *component(const sp_network *net, int a) {
 
 static void add_columns(const cli_motion *m, cli_writer *w) {
     const sp_network *net = m->net;
-    cli_columns(w, SP_CELL_INTEGER, "grain", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
     for (int a = 0; a < net->dim; a++)
-        cli_columns(w, SP_CELL_NUMBER, places[a], "d", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "radius", "d", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, places[a], "d", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "radius", "d", NULL);
     for (int a = 0; a < net->dof; a++)
-        cli_columns(w, SP_CELL_NUMBER, component(net, a), a < net->dim ? "1/sqrt(rho d^3)" : "1/sqrt(rho d^5)", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, component(net, a), a < net->dim ? "1/sqrt(rho d^3)" : "1/sqrt(rho d^5)", NULL);
 }
 
 static void add_comments(const cli_motion *m, cli_writer *w) {

@@ -273,7 +273,7 @@ void cli_close_stdout(void) {
     _exit(CLI_FAILED);
 }
 
-void cli_columns(cli_writer *w, sp_cell_kind kind, ...) {
+void cli_columns(cli_writer *w, sp_column_kind kind, ...) {
     va_list list;
     va_start(list, kind);
     for (const char *name; w->status == SP_OK && (name = va_arg(list, const char *)) != NULL;)
@@ -299,14 +299,14 @@ void cli_value(cli_writer *w, const char *key, double value) {
 void cli_quantity_columns(cli_writer *w, const sp_quantity *all, const char *symbols) {
     const sp_quantity *q;
     while ((q = sp_quantity_next(all, &symbols)))
-        cli_columns(w, SP_CELL_NUMBER, q->symbol, q->unit, NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, q->symbol, q->unit, NULL);
 }
 
 void cli_put(cli_writer *w, double number) {
     if (w->status != SP_OK)
         return;
-    sp_cell *cell = &w->cell[w->cells];
-    if (w->table->column[w->cells++].kind == SP_CELL_INTEGER)
+    sp_entry *cell = &w->cell[w->cells];
+    if (w->table->column[w->cells++].kind == SP_COLUMN_INTEGER)
         cell->integer = (int64_t)number;
     else
         cell->number = number;

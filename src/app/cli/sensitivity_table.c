@@ -23,13 +23,13 @@ static void put_partial(row *r, const sp_partials *d, int64_t k, double paramete
 
 static void columns_of(cli_writer *w, const sp_partials *d, const char *name, const char *error, const char *unit) {
     if (d->n > 0)
-        cli_columns(w, SP_CELL_NUMBER, name, unit, error, unit, NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, name, unit, error, unit, NULL);
 }
 
 static void place_columns(cli_writer *w, int dim) {
     static const char *const axes[] = {"x", "y", "z"};
     for (int a = 0; a < dim; a++)
-        cli_columns(w, SP_CELL_NUMBER, axes[a], "d", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, axes[a], "d", NULL);
 }
 
 /* The middle of the line that a contact is drawn along. */
@@ -46,9 +46,9 @@ static void put_contact(row *r, const sp_network *net, int32_t k) {
 
 static sp_status contact_rows(const cli_file *file, const sp_gradient *g, const char *unit, cli_writer *w) {
     const sp_network *net = &file->network;
-    cli_columns(w, SP_CELL_INTEGER, "contact", "", "i", "", "j", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "contact", "", "i", "", "j", "", NULL);
     place_columns(w, net->dim);
-    cli_columns(w, SP_CELL_NUMBER, "kn", "E* d", "kt", "E* d", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "kn", "E* d", "kt", "E* d", NULL);
     columns_of(w, &g->kn, "by_kn", "by_kn_err", unit);
     columns_of(w, &g->kt, "by_kt", "by_kt_err", unit);
     for (int32_t k = 0; k < net->n_springs && w->status == SP_OK; k++) {
@@ -64,15 +64,15 @@ static sp_status contact_rows(const cli_file *file, const sp_gradient *g, const 
 static sp_status grain_rows(const cli_file *file, const sp_gradient *g, const char *unit, cli_writer *w) {
     static const char *const names[] = {"by_x", "by_y", "by_z"};
     const sp_network *net = &file->network;
-    cli_columns(w, SP_CELL_INTEGER, "grain", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
     place_columns(w, net->dim);
-    cli_columns(w, SP_CELL_NUMBER, "r", "d", "mass", "rho d^3", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "r", "d", "mass", "rho d^3", NULL);
     columns_of(w, &g->mass, "by_mass", "by_mass_err", unit);
     columns_of(w, &g->radius, "by_radius", "by_radius_err", unit);
     for (int a = 0; a < net->dim && g->position.n > 0; a++)
-        cli_columns(w, SP_CELL_NUMBER, names[a], unit, NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, names[a], unit, NULL);
     if (g->position.n > 0)
-        cli_columns(w, SP_CELL_NUMBER, "by_position_err", unit, NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, "by_position_err", unit, NULL);
     for (int32_t k = 0; k < net->n && w->status == SP_OK; k++) {
         const double mass = net->mass[(int64_t)k * net->dof];
         row r = {0};
@@ -94,7 +94,7 @@ static sp_status grain_rows(const cli_file *file, const sp_gradient *g, const ch
 
 static sp_status pressure_row(const cli_file *file, const sp_gradient *g, const char *unit, cli_writer *w) {
     const double p = file->packing.pressure;
-    cli_columns(w, SP_CELL_NUMBER, "p", "E*", "by_p", unit, "by_p_err", unit, NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "p", "E*", "by_p", unit, "by_p_err", unit, NULL);
     return w->status == SP_OK ? sp_table_add_row(w->table, w->err, p, p * g->pressure.d[0], p * g->pressure.error[0])
                               : w->status;
 }

@@ -2,11 +2,11 @@
 #include "cli/spectrum.h"
 
 static void add_columns(cli_writer *w) {
-    cli_columns(w, SP_CELL_INTEGER, "n", "", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, NULL);
-    cli_columns(w, SP_CELL_INTEGER, "n1", "", "n2", "", NULL);
-    cli_columns(w, SP_CELL_TEXT, "branch", "", NULL);
-    cli_columns(w, SP_CELL_NUMBER, "omega_plane", SPECTRUM_FREQUENCY, "omega_continuum", SPECTRUM_FREQUENCY, "ratio",
+    cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", SPECTRUM_FREQUENCY, NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "n1", "", "n2", "", NULL);
+    cli_columns(w, SP_COLUMN_TEXT, "branch", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega_plane", SPECTRUM_FREQUENCY, "omega_continuum", SPECTRUM_FREQUENCY, "ratio",
                 "", "overlap", "", NULL);
 }
 

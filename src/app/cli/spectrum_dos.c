@@ -28,7 +28,7 @@ static sp_dos_options options_of(const spectrum_arguments *a) {
 static void add_columns(sp_dos_norm norm, cli_writer *w) {
     static const char *const numbers[] = {"modes/grain", "", "modes"};
     const char *unit = norm == SP_DOS_MODES ? "modes d/sqrt(E* / rho)" : SPECTRUM_TIME, *number = numbers[norm];
-    cli_columns(w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "low", SPECTRUM_FREQUENCY, "high", SPECTRUM_FREQUENCY,
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", SPECTRUM_FREQUENCY, "low", SPECTRUM_FREQUENCY, "high", SPECTRUM_FREQUENCY,
                 "density", unit, "density_err", unit, "cumulative", number, "cumulative_err", number, "smooth", unit,
                 "smooth_err", unit, NULL);
 }

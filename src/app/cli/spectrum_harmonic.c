@@ -7,10 +7,10 @@
 #include <stdio.h>
 
 static void add_responses(const sp_harmonic *h, cli_writer *w) {
-    cli_columns(w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "magnitude", SPECTRUM_RESPONSE, "re", SPECTRUM_RESPONSE,
-                "im", SPECTRUM_RESPONSE, "error", SPECTRUM_RESPONSE, "k", "1/d", "k_err", "1/d", "speed",
-                "sqrt(E* / rho)", "speed_err", "sqrt(E* / rho)", "alpha", "1/d", "alpha_err", "1/d", "misfit", "", "Q",
-                "", "Q_err", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", SPECTRUM_FREQUENCY, "magnitude", SPECTRUM_RESPONSE, "re",
+                SPECTRUM_RESPONSE, "im", SPECTRUM_RESPONSE, "error", SPECTRUM_RESPONSE, "k", "1/d", "k_err", "1/d",
+                "speed", "sqrt(E* / rho)", "speed_err", "sqrt(E* / rho)", "alpha", "1/d", "alpha_err", "1/d", "misfit",
+                "", "Q", "", "Q_err", "", NULL);
     for (int32_t l = 0; l < h->n && w->status == SP_OK; l++) {
         const sp_wave_fit *fit = &h->fit[l];
         const bool travels = fit->k > 3 * fit->k_err; /* else it only decays, and has no speed */
@@ -24,7 +24,7 @@ static void add_responses(const sp_harmonic *h, cli_writer *w) {
 }
 
 static void add_profile(const sp_harmonic *h, cli_writer *w) {
-    cli_columns(w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "height", "d", "magnitude", SPECTRUM_RESPONSE, "re",
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", SPECTRUM_FREQUENCY, "height", "d", "magnitude", SPECTRUM_RESPONSE, "re",
                 SPECTRUM_RESPONSE, "im", SPECTRUM_RESPONSE, "error", SPECTRUM_RESPONSE, NULL);
     for (int32_t l = 0; l < h->n; l++)
         for (int32_t k = 0; k < h->planes && w->status == SP_OK; k++) {

@@ -15,8 +15,8 @@ static sp_status lines(const spectrum_arguments *a, const sp_network *net, sp_ta
         return sp_fail(err, SP_EREFUSED, "no carrying contact at the %s wall: no mode has a weight in a signal",
                        sp_network_touches(net, SP_BOTTOM) ? "top" : "bottom");
     cli_writer w = {.table = t, .err = err, .status = sp_modes_make(net, &o, &range, &m, err)};
-    cli_columns(&w, SP_CELL_INTEGER, "n", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "ab", "E* d^2", "share", "", NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "omega", SPECTRUM_FREQUENCY, "ab", "E* d^2", "share", "", NULL);
     cli_comment(&w, "source = %s", cli_source_names[a->source]);
     cli_comment(&w, "share: of the sum of |ab| over all modes, up to this one");
     for (int64_t k = 0; k < m.n && w.status == SP_OK; k++)
@@ -44,7 +44,7 @@ sp_status spectrum_transmission(const spectrum_arguments *a, cli_file *file, sp_
     if (a->resolution >= 0)
         o.resolution = a->resolution;
     cli_writer w = {.table = t, .err = err, .status = sp_transmission_make(&file->network, &o, &s, err)};
-    cli_columns(&w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "density", SPECTRUM_RESPONSE, "magnitude",
+    cli_columns(&w, SP_COLUMN_NUMBER, "omega", SPECTRUM_FREQUENCY, "density", SPECTRUM_RESPONSE, "magnitude",
                 SPECTRUM_RESPONSE, "re", SPECTRUM_RESPONSE, "im", SPECTRUM_RESPONSE, "error", SPECTRUM_RESPONSE, NULL);
     cli_comment(&w, "source = %s", cli_source_names[a->source]);
     cli_value(&w, "resolution", s.resolution);
@@ -63,7 +63,7 @@ const char *const spectrum_directions[] = {"x", "up", "y", NULL};
 static const char *const polarizations[] = {"longitudinal", "transverse", "rotational"};
 
 static void add_waves(const sp_dispersion *d, cli_writer *w) {
-    cli_columns(w, SP_CELL_NUMBER, "k", "1/d", "rms", SPECTRUM_FREQUENCY, "spread", SPECTRUM_FREQUENCY, "peak",
+    cli_columns(w, SP_COLUMN_NUMBER, "k", "1/d", "rms", SPECTRUM_FREQUENCY, "spread", SPECTRUM_FREQUENCY, "peak",
                 SPECTRUM_FREQUENCY, "half_width", SPECTRUM_FREQUENCY, "resolution", SPECTRUM_FREQUENCY, NULL);
     for (int32_t q = 0; q < d->n && w->status == SP_OK; q++) {
         const sp_dispersion_point *wave = &d->wave[q];
@@ -73,7 +73,7 @@ static void add_waves(const sp_dispersion *d, cli_writer *w) {
 }
 
 static void add_profile(const sp_dispersion *d, cli_writer *w) {
-    cli_columns(w, SP_CELL_NUMBER, "k", "1/d", "omega", SPECTRUM_FREQUENCY, "S", SPECTRUM_TIME, NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "k", "1/d", "omega", SPECTRUM_FREQUENCY, "S", SPECTRUM_TIME, NULL);
     for (int32_t q = 0; q < d->n; q++)
         for (int32_t l = 0; l < d->profile && w->status == SP_OK; l++)
             w->status =
@@ -112,8 +112,8 @@ sp_status spectrum_dispersion(const spectrum_arguments *a, cli_file *file, sp_ta
         w.status = sp_dispersion_make(&file->network, &o, &d, err);
     if (w.status != SP_OK)
         return w.status;
-    cli_columns(&w, SP_CELL_TEXT, "polarization", "", NULL);
-    cli_columns(&w, SP_CELL_INTEGER, "n", "", NULL);
+    cli_columns(&w, SP_COLUMN_TEXT, "polarization", "", NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "n", "", NULL);
     cli_comment(&w, "direction = %s", spectrum_directions[o.along_y ? 2 : o.up]);
     if (o.up && file->packing.cell != SP_CELL_PERIODIC)
         cli_value(&w, "node", o.node);
@@ -139,10 +139,10 @@ sp_status spectrum_participation(const spectrum_arguments *a, cli_file *file, sp
     w.status = bin ? sp_modes_make(&file->network, &o, &all, &m, err) : sp_fail_memory(err, (size_t)bins * sizeof *bin);
     if (w.status == SP_OK)
         w.status = sp_participation(&m, bins, a->until >= 0 ? a->until : 0, bin, err);
-    cli_columns(&w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "low", SPECTRUM_FREQUENCY, "high", SPECTRUM_FREQUENCY,
-                NULL);
-    cli_columns(&w, SP_CELL_INTEGER, "modes", "", NULL);
-    cli_columns(&w, SP_CELL_NUMBER, "participation", "", "sd", "", "min", "", "max", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "omega", SPECTRUM_FREQUENCY, "low", SPECTRUM_FREQUENCY, "high",
+                SPECTRUM_FREQUENCY, NULL);
+    cli_columns(&w, SP_COLUMN_INTEGER, "modes", "", NULL);
+    cli_columns(&w, SP_COLUMN_NUMBER, "participation", "", "sd", "", "min", "", "max", "", NULL);
     cli_zero_modes(&w, &m.zero);
     cli_comment(&w, "nan: no mode in the bin; sd: fewer than two");
     for (int32_t b = 0; b < bins && w.status == SP_OK; b++)

@@ -36,7 +36,7 @@ static void add_rows(void *user, const cli_sums *sums, cli_writer *w) {
     const char *const unit = "E* d^2";
     const sp_signal_average *s = &sums->all;
     (void)user;
-    cli_columns(w, SP_CELL_NUMBER, "t", "d/sqrt(E* / rho)", "mean", unit, "rms", unit, "mean_err", unit, "low", unit,
+    cli_columns(w, SP_COLUMN_NUMBER, "t", "d/sqrt(E* / rho)", "mean", unit, "rms", unit, "mean_err", unit, "low", unit,
                 "high", unit, NULL);
     for (int32_t k = 0; k < s->points && w->status == SP_OK; k++) {
         const sp_interval *i = &sums->interval[k];

@@ -89,7 +89,7 @@ static sp_status make_bins(void *user, const cli_averaged *of, int32_t *interval
 static void add_rows(void *user, const cli_sums *sums, cli_writer *w) {
     const reader *r = user;
     const sp_signal_average *s = &sums->all;
-    cli_columns(w, SP_CELL_NUMBER, "omega", SPECTRUM_FREQUENCY, "low", SPECTRUM_FREQUENCY, "high", SPECTRUM_FREQUENCY,
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", SPECTRUM_FREQUENCY, "low", SPECTRUM_FREQUENCY, "high", SPECTRUM_FREQUENCY,
                 "density", SPECTRUM_TIME, "density_err", SPECTRUM_TIME, "density_low", SPECTRUM_TIME, "density_high",
                 SPECTRUM_TIME, "cumulative", "modes/grain", "cumulative_err", "modes/grain", NULL);
     for (int32_t b = 0; 2 * b < s->points && w->status == SP_OK; b++) {

@@ -47,7 +47,7 @@ static bool csv_number(const char *cell, double *out) {
 /* Adds the columns, and allocates a row. */
 static sp_status csv_header(const char *path, char *text, double **row, sp_table *t, sp_error *err) {
     for (char *cell; (cell = csv_cell(&text)) != NULL;) {
-        sp_status status = sp_table_add_column(t, cell, "", SP_CELL_NUMBER, err);
+        sp_status status = sp_table_add_column(t, cell, "", SP_COLUMN_NUMBER, err);
         if (status != SP_OK) {
             sp_fail_prefix(err, "%s", path);
             return status;
@@ -143,7 +143,7 @@ int cli_count_signals(const sp_table *t, int first) {
         n++;
         snprintf(name, sizeof name, "F%d", n);
     } while (first + n <= t->columns && strcmp(t->column[first + n - 1].name, name) == 0 &&
-             t->column[first + n - 1].kind != SP_CELL_TEXT);
+             t->column[first + n - 1].kind != SP_COLUMN_TEXT);
     return n > 1 ? n - 1 : 1;
 }
 

@@ -71,7 +71,7 @@ static sp_status verify(verification *v, sp_store *store, const sp_scene *scene,
     sp_store_check check = {.names = -1, .tolerance = tolerance, .jobs = jobs, .found = found, .user = v};
     char(*name)[SP_NAME_MAX] = NULL;
     cli_writer w = {.table = &v->table, .err = err};
-    cli_columns(&w, SP_CELL_TEXT, "file", "", "ok", "", "reason", "", "field", "", NULL);
+    cli_columns(&w, SP_COLUMN_TEXT, "file", "", "ok", "", "reason", "", "field", "", NULL);
     sp_status status = w.status;
     if (status == SP_OK && scene)
         status = scene_names(scene, &check, &name, err);

@@ -2,7 +2,7 @@
 #define SP_HASH_H
 /* Hashes that detect accidental changes of data (64-bit FNV-1a; Fowler, Noll, Vo, Eastlake). */
 
-#include <sonopack/export.h>
+#include <sonopack/visibility.h>
 #include <stddef.h>
 #include <stdint.h>
 

@@ -1,7 +1,7 @@
 /* The stiffness tensor as a whole: its isotropic part, and how far it is from that. */
 #include "base/base.h"
 #include "elastic/moduli.h"
-#include "network/cell.h"
+#include "network/network_cell.h"
 
 #include <math.h>
 

@@ -1,8 +1,8 @@
 /* Computes all modes with LAPACK and refines their eigenvalues. */
 #include "base/base.h"
 #include "linalg/eigen.h"
+#include "modes/rows.h"
 #include "modes/slices.h"
-#include "modes/table.h"
 #include "modes/zeros.h"
 
 #include <math.h>

@@ -2,8 +2,8 @@
 #include "modes/pieces.h"
 #include "base/base.h"
 #include "base/pool.h"
+#include "modes/rows.h"
 #include "modes/slices.h"
-#include "modes/table.h"
 
 #include <math.h>
 #include <stdatomic.h>

@@ -1,5 +1,5 @@
 /* Bounds the errors of eigenvectors. */
-#include "modes/table.h"
+#include "modes/rows.h"
 
 #include <float.h>
 #include <math.h>

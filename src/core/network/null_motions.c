@@ -2,9 +2,9 @@
 #include "network/null_motions.h"
 #include "base/base.h"
 #include "base/vector.h"
-#include "network/cell.h"
+#include "network/network_cell.h"
 #include "network/rows.h"
-#include "network/triangle.h"
+#include "network/svd.h"
 
 #include <math.h>
 #include <string.h>
@@ -25,7 +25,7 @@ typedef struct part {
     double centre[3];               /* mean place */
     int count;                      /* independent motions as a rigid body */
     double coefficient[DOFS][DOFS]; /* of each: translations, then rotations */
-    sp_triangle t;
+    sp_svd t;
 } part;
 
 typedef struct maker {
@@ -52,30 +52,30 @@ void sp_null_motions_free(sp_null_motions *z) {
 
 /* Adds the stretches of a spring by the motions [columns][dofs] of its two grains; unit: mass-weighted motions. */
 static void add_stretches(const sp_network *net, const sp_spring *s, int columns, double (*i)[DOFS], double (*j)[DOFS],
-                          sp_triangle *t) {
+                          sp_svd *t) {
     const int dof = net->dof;
     const double *mi = net->mass + (int64_t)s->i * dof, *mj = s->j >= 0 ? net->mass + (int64_t)s->j * dof : NULL;
     sp_rows rows;
     sp_network_rows(net, s, &rows);
     for (int q = 0; q < rows.count; q++) {
         const double root = sqrt(fabs(rows.k[q]));
-        double row[SP_TRIANGLE_MAX] = {0};
+        double row[SP_SVD_MAX] = {0};
         for (int c = 0; c < columns; c++)
             for (int a = 0; a < dof; a++) {
                 row[c] += i ? root * rows.b[q][a] * i[c][a] / sqrt(mi[a]) : 0;
                 row[c] += j && mj ? root * rows.b[q][dof + a] * j[c][a] / sqrt(mj[a]) : 0;
             }
-        sp_triangle_add(t, row);
+        sp_svd_add(t, row);
     }
 }
 
 /* Stores the null vectors of a grain; counts only while there is no memory for them. */
-static void keep_spins(maker *k, int32_t grain, const sp_triangle *t) {
+static void keep_spins(maker *k, int32_t grain, const sp_svd *t) {
     const double limit = SLACK * sp_network_omega_bound(k->net);
     double value[DOFS], v[DOFS][DOFS] = {{0}}; /* fewer degrees of freedom leave the rest 0 */
-    if (sp_triangle_least(t) > limit)
+    if (sp_svd_least(t) > limit)
         return;
-    sp_triangle_values(t, value, v);
+    sp_svd_values(t, value, v);
     for (int c = 0; c < t->n; c++)
         if (value[c] <= limit) {
             if (k->out->spin) {
@@ -90,7 +90,7 @@ static void keep_spins(maker *k, int32_t grain, const sp_triangle *t) {
 static sp_status find_spins(maker *k, sp_error *err) {
     static double unit[DOFS][DOFS] = {{1}, {0, 1}, {0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}};
     const sp_network *net = k->net;
-    sp_triangle *t = sp_alloc((size_t)net->n, sizeof *t);
+    sp_svd *t = sp_alloc((size_t)net->n, sizeof *t);
     if (!t)
         return sp_fail_memory(err, (size_t)net->n * sizeof *t);
     for (int32_t i = 0; i < net->n; i++)
@@ -244,7 +244,7 @@ static void find_centres(maker *k) {
 static void choose(part *p, double least, double most, double *worst) {
     double value[DOFS], v[DOFS][DOFS], before[DOFS][DOFS], top = 0;
     const int count = p->t.n;
-    sp_triangle_values(&p->t, value, v);
+    sp_svd_values(&p->t, value, v);
     memcpy(before, p->coefficient, sizeof before);
     memset(p->coefficient, 0, sizeof p->coefficient);
     p->count = 0;
@@ -274,7 +274,7 @@ static void start_basis(maker *k) {
     }
     for (int32_t i = 0; i < k->count; i++) {
         part *p = &k->parts[i];
-        p->t = (sp_triangle){.n = p->count = motions_of(k->net, p)};
+        p->t = (sp_svd){.n = p->count = motions_of(k->net, p)};
         for (int c = 0; c < p->count; c++)
             p->coefficient[c][c] = p->coefficient[c][c] > 0 ? 1 / sqrt(p->coefficient[c][c]) : 0;
     }
@@ -288,16 +288,16 @@ static void find_basis(maker *k) {
         double own[DOFS][DOFS];
         ride_basis(k, p, i, own);
         for (int a = 0; a < DOFS && p->count > 0; a++) {
-            double row[SP_TRIANGLE_MAX] = {0};
+            double row[SP_SVD_MAX] = {0};
             for (int q = 0; q < p->count; q++)
                 row[q] = own[q][a];
-            sp_triangle_add(&p->t, row);
+            sp_svd_add(&p->t, row);
         }
     }
     for (int32_t i = 0; i < k->count; i++)
         if (k->parts[i].count > 0) {
             choose(&k->parts[i], DEPENDENT, 0, NULL);
-            k->parts[i].t = (sp_triangle){.n = k->parts[i].count};
+            k->parts[i].t = (sp_svd){.n = k->parts[i].count};
         }
 }
 

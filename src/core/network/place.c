@@ -2,7 +2,7 @@
 #include "network/place.h"
 
 #include "base/base.h"
-#include "network/cell.h"
+#include "network/network_cell.h"
 #include "network/rows.h"
 #include "packing/geometry.h"
 

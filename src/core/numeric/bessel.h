@@ -3,7 +3,7 @@
 /* Bessel functions J_m(x) of integer orders by downward (Miller) recurrence, and sums of them. Absolute errors are a
  * few 1e-16 per J_m, times sqrt(x) for large x, because x itself is rounded. */
 
-#include <sonopack/export.h>
+#include <sonopack/visibility.h>
 
 #include <stdint.h>
 

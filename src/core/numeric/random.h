@@ -3,7 +3,7 @@
 /* Counter-based random streams (Philox4x32-10; Salmon et al., SC 2011). Number k of stream s of a seed depends on
  * (seed, s, k) alone, so results do not depend on threads, order or interruptions. */
 
-#include <sonopack/export.h>
+#include <sonopack/visibility.h>
 #include <stdint.h>
 
 typedef struct sp_random {

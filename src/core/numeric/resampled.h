@@ -22,7 +22,7 @@
  * Memory does not depend on the number of samples: 16 bytes per number and resample, 16 kB per number for levels up to
  * 0.99. */
 
-#include <sonopack/export.h>
+#include <sonopack/visibility.h>
 
 #include "numeric/interval.h"
 

@@ -160,7 +160,7 @@ static sp_status begin(const sp_contact_counts *c, int columns, const char *cons
         return sp_fail(err, SP_EREFUSED, "no packing was counted");
     sp_status status = SP_OK;
     for (int k = 0; k < columns && status == SP_OK; k++)
-        status = sp_table_add_column(t, names[k], "", SP_CELL_NUMBER, err);
+        status = sp_table_add_column(t, names[k], "", SP_COLUMN_NUMBER, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err, "packings = %lld", (long long)c->packings);
     if (status == SP_OK)

@@ -28,7 +28,7 @@ SP_SHARED bool sp_packing_has_stiffnesses(const sp_packing *p);
 
 /* Names of the walls SP_BOTTOM, SP_TOP, ... in files, by -1 - wall; ended by NULL. */
 SP_SHARED extern const char *const sp_side_names[];
-/* Names of cells, by sp_boundary; ended by NULL. */
+/* Names of cells, by sp_cell; ended by NULL. */
 SP_SHARED extern const char *const sp_cell_names[];
 /* Names of contact laws at walls, by sp_wall; ended by NULL. */
 SP_SHARED extern const char *const sp_wall_names[];

@@ -74,7 +74,7 @@ typedef struct dynamics {
     int dim;
     grain_layout at;
     int32_t n;
-    sp_boundary cell;
+    sp_cell cell;
     /* Whether the cell deforms as a whole along all axes, and the grains with it. If not, only the horizontal axes are
      * strained, without shear. True from the start in cells without a piston. Whoever changes it under a piston sets
      * outer_travel to infinity. */

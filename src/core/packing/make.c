@@ -59,7 +59,11 @@ static sp_status make_ordered(const sp_pack_spec *spec, const sp_pack_hooks *hoo
 }
 
 sp_status sp_packing_make_with(const sp_pack_spec *given, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err) {
+    static const sp_pack_hooks none = {0};
     sp_pack_spec spec;
+    if (!given || !out)
+        return sp_fail(err, SP_EINVAL, "no %s is given: must be one", given ? "packing" : "spec");
+    hooks = hooks ? hooks : &none;
     sp_status status = complete(given, hooks, &spec, err);
     if (status == SP_OK)
         status = check_memory(&spec, err);

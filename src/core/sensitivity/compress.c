@@ -6,7 +6,7 @@
 #include "elastic/equilibrium.h"
 #include "elastic/strain.h"
 #include "linalg/vector.h"
-#include "network/cell.h"
+#include "network/network_cell.h"
 #include "sensitivity/products.h"
 
 #include <math.h>

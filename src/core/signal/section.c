@@ -1,7 +1,7 @@
 /* Record sections of packings: signals at planes one above the other. */
 #include "base/base.h"
-#include "network/cell.h"
 #include "network/largest.h"
+#include "network/network_cell.h"
 
 #include <math.h>
 #include <sonopack/coherent.h>

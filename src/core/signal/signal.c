@@ -106,7 +106,7 @@ static sp_status check_errors(const signal_job *job, sp_signal *s, sp_error *err
 }
 
 sp_status sp_signal_make(const sp_network *net, const sp_signal_options *opt, sp_signal *out, sp_error *err) {
-    return sp_signal_dynamics(NULL, net, opt, out, err);
+    return sp_signal_compute(NULL, net, opt, out, err);
 }
 
 /* *unsure: the method succeeded but its error bound exceeds the tolerance. */
@@ -144,8 +144,8 @@ static sp_status run_method(sp_signal_method method, const sp_packing *p, const 
     return status;
 }
 
-sp_status sp_signal_dynamics(const sp_packing *p, const sp_network *net, const sp_signal_options *opt, sp_signal *out,
-                             sp_error *err) {
+sp_status sp_signal_compute(const sp_packing *p, const sp_network *net, const sp_signal_options *opt, sp_signal *out,
+                            sp_error *err) {
     sp_signal_method choice[SIGNAL_CHOICES] = {opt->method};
     bool unsure = true;
     sp_status status = check_options(opt, err);

@@ -2,7 +2,7 @@
 #include "base/base.h"
 #include "base/vector.h"
 #include "linalg/arrays.h"
-#include "network/cell.h"
+#include "network/network_cell.h"
 #include "spectrum/moments.h"
 
 #include <float.h>

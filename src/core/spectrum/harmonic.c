@@ -1,7 +1,7 @@
 /* Response to harmonic driving, one sparse solve per frequency, at a detector and through planes. */
 #include "base/base.h"
 #include "linalg/arrays.h"
-#include "network/cell.h"
+#include "network/network_cell.h"
 #include "spectrum/driven.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
  * and for displacements 1/(Omega cos psi) [t_0 + 2 sum_k g_2k t_k exp(i 2k psi)], t_k = <b|T_k|a>. g: Jackson's factors
  * of twice the order. */
 #include "base/base.h"
-#include "network/cell.h"
+#include "network/network_cell.h"
 #include "spectrum/moments.h"
 
 #include <float.h>

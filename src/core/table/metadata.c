@@ -59,7 +59,7 @@ static sp_status add_value(sp_table *t, const char *key, size_t key_length, cons
     bool whole;
     v->comment = t->comments - 1;
     v->number = leading_number(v->text, &whole);
-    v->kind = sp_word_integer(v->text, &integer) ? SP_CELL_INTEGER : whole ? SP_CELL_NUMBER : SP_CELL_TEXT;
+    v->kind = sp_word_integer(v->text, &integer) ? SP_COLUMN_INTEGER : whole ? SP_COLUMN_NUMBER : SP_COLUMN_TEXT;
     t->values++;
     return SP_OK;
 }

@@ -16,6 +16,6 @@ SP_SHARED const sp_quantity *sp_quantity_next(const sp_quantity *all, const char
 SP_SHARED double sp_quantity_value(const sp_quantity *q, const void *of);
 
 /* Adds a row, one cell for each column; texts are copied. */
-SP_SHARED sp_status sp_table_add_cells(sp_table *t, const sp_cell *cells, sp_error *err);
+SP_SHARED sp_status sp_table_add_cells(sp_table *t, const sp_entry *cells, sp_error *err);
 
 #endif

@@ -39,7 +39,7 @@ static sp_status add_columns(const sp_word_table *s, sp_table *t, sp_error *err)
             return sp_fail(err, SP_EFORMAT, "%s: the name of column %d has %zu characters; at most %zu", s->file, c + 1,
                            strlen(s->name[c]), sizeof name - 1);
         sp_status status = sp_table_add_column(t, s->name[c] ? s->name[c] : name, "",
-                                               numeric_column(s, c) ? SP_CELL_NUMBER : SP_CELL_TEXT, err);
+                                               numeric_column(s, c) ? SP_COLUMN_NUMBER : SP_COLUMN_TEXT, err);
         if (status != SP_OK)
             return status;
     }
@@ -54,7 +54,7 @@ static sp_status add_cells(const sp_word_table *s, sp_table *t, sp_error *err) {
     t->capacity = t->rows = s->rows;
     for (size_t k = 0; k < cells; k++) {
         const char *word = s->cell[k];
-        if (t->column[k % (size_t)s->columns].kind == SP_CELL_NUMBER)
+        if (t->column[k % (size_t)s->columns].kind == SP_COLUMN_NUMBER)
             sp_word_number(word, &t->cells[k].number);
         else if (!(t->cells[k].text = sp_strdup(word)))
             return sp_fail_memory(err, strlen(word));

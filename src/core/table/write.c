@@ -83,12 +83,12 @@ static void header_and_rows(sp_text *out, const sp_table *t, text_writer text, c
     sp_text_add(out, "\n");
     for (int64_t row = 0; row < t->rows; row++) {
         for (int c = 0; c < t->columns; c++) {
-            const sp_cell *cell = &t->cells[row * t->columns + c];
+            const sp_entry *cell = &t->cells[row * t->columns + c];
             sp_text_add(out, "%s", c ? separator : "");
             switch (t->column[c].kind) {
-            case SP_CELL_NUMBER: sp_text_number(out, cell->number); break;
-            case SP_CELL_INTEGER: sp_text_add(out, "%lld", (long long)cell->integer); break;
-            case SP_CELL_TEXT: text(out, cell->text ? cell->text : "", c == 0); break;
+            case SP_COLUMN_NUMBER: sp_text_number(out, cell->number); break;
+            case SP_COLUMN_INTEGER: sp_text_add(out, "%lld", (long long)cell->integer); break;
+            case SP_COLUMN_TEXT: text(out, cell->text ? cell->text : "", c == 0); break;
             }
         }
         sp_text_add(out, "\n");
@@ -113,16 +113,16 @@ static void tsv_comments(sp_text *out, const sp_table *t) {
         sp_text_add(out, "\n");
 }
 
-static void json_cell(sp_text *out, const sp_cell *cell, sp_cell_kind kind) {
+static void json_cell(sp_text *out, const sp_entry *cell, sp_column_kind kind) {
     switch (kind) {
-    case SP_CELL_NUMBER:
+    case SP_COLUMN_NUMBER:
         if (isfinite(cell->number))
             sp_text_number(out, cell->number);
         else
             sp_text_add(out, "null");
         break;
-    case SP_CELL_INTEGER: sp_text_add(out, "%lld", (long long)cell->integer); break;
-    case SP_CELL_TEXT: json_text(out, cell->text ? cell->text : ""); break;
+    case SP_COLUMN_INTEGER: sp_text_add(out, "%lld", (long long)cell->integer); break;
+    case SP_COLUMN_TEXT: json_text(out, cell->text ? cell->text : ""); break;
     }
 }
 

@@ -1,6 +1,6 @@
 /* The energy of a burst from the bottom wall: how much is below a plane, and what passes it. */
 #include "base/base.h"
-#include "network/cell.h"
+#include "network/network_cell.h"
 #include "transport/packet.h"
 
 #include <math.h>

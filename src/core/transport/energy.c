@@ -1,6 +1,6 @@
 /* Density and flux of energy in a network. */
 #include "base/base.h"
-#include "network/cell.h"
+#include "network/network_cell.h"
 #include "transport/across.h"
 
 #include <math.h>

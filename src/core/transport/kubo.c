@@ -1,6 +1,6 @@
 /* The diffusivity of energy from eigenmodes and the operator of its current. */
 #include "base/base.h"
-#include "network/cell.h"
+#include "network/network_cell.h"
 #include "numeric/statistics.h"
 #include "transport/across.h"
 

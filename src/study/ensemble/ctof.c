@@ -191,20 +191,20 @@ static sp_status add_exponent(sp_table *t, sp_error *err) {
 }
 
 sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, double level, sp_table *t, sp_error *err) {
-    static const sp_column column[] = {{"p", "E*", SP_CELL_NUMBER},
-                                       {"samples", "", SP_CELL_INTEGER},
-                                       {"c_tof", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                                       {"c_tof_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                                       {"c_peak", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                                       {"c_zero", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                                       {"c_l", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                                       {"c_t", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                                       {"c_tof_low", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                                       {"c_tof_high", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                                       {"c_peak_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                                       {"c_zero_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                                       {"c_l_err", "sqrt(E* / rho)", SP_CELL_NUMBER},
-                                       {"c_t_err", "sqrt(E* / rho)", SP_CELL_NUMBER}};
+    static const sp_column column[] = {{"p", "E*", SP_COLUMN_NUMBER},
+                                       {"samples", "", SP_COLUMN_INTEGER},
+                                       {"c_tof", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                       {"c_tof_err", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                       {"c_peak", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                       {"c_zero", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                       {"c_l", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                       {"c_t", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                       {"c_tof_low", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                       {"c_tof_high", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                       {"c_peak_err", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                       {"c_zero_err", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                       {"c_l_err", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                       {"c_t_err", "sqrt(E* / rho)", SP_COLUMN_NUMBER}};
     sp_status status = sp_columns_add(t, sizeof column / sizeof *column, column, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err,

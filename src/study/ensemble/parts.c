@@ -39,7 +39,7 @@ static sp_status make_signal(const part_input *in, sp_sample *sample, sp_signal 
     sp_signal_options options = in->scene->signal;
     options.until = last_time(in->scene, in->net->box[in->net->dim - 1]);
     sp_signal signal = sp_signal_none();
-    sp_status status = sp_signal_dynamics(in->packing, in->net, &options, &signal, err); /* any method */
+    sp_status status = sp_signal_compute(in->packing, in->net, &options, &signal, err); /* any method */
     if (status == SP_OK) {
         sample->signal = (sp_signal_made){
             .points = signal.n, .method = signal.method, .until = options.until, .tolerance = options.tolerance};

@@ -59,17 +59,17 @@ static double value_of(const sp_sample *s, const quantity *q) {
 }
 
 static sp_status means_columns(int quantities, const quantity *q, sp_table *t, sp_error *err) {
-    static const sp_column first[FIRST] = {{"p", "E*", SP_CELL_NUMBER},
-                                           {"grains", "", SP_CELL_INTEGER},
-                                           {"samples", "", SP_CELL_INTEGER},
-                                           {"left_out", "", SP_CELL_INTEGER}};
+    static const sp_column first[FIRST] = {{"p", "E*", SP_COLUMN_NUMBER},
+                                           {"grains", "", SP_COLUMN_INTEGER},
+                                           {"samples", "", SP_COLUMN_INTEGER},
+                                           {"left_out", "", SP_COLUMN_INTEGER}};
     sp_status status = sp_columns_add(t, FIRST, first, err);
     static const char *const end[COLUMNS] = {"", "_sd", "_err", "_low", "_high"};
     for (int k = 0; k < COLUMNS * quantities && status == SP_OK; k++) {
         const quantity *of = &q[k / COLUMNS];
         char name[40];
         snprintf(name, sizeof name, "%.23s%s", of->name, end[k % COLUMNS]);
-        status = sp_table_add_column(t, name, of->unit, SP_CELL_NUMBER, err);
+        status = sp_table_add_column(t, name, of->unit, SP_COLUMN_NUMBER, err);
     }
     return status;
 }
@@ -233,18 +233,18 @@ static int ensemble_quantities(quantity q[2 * QUANTITIES_MAX], int *statics) {
     return *statics + named_moduli(moduli_symbols, q + *statics);
 }
 
-static const sp_column ensemble_first[] = {{"p", "E*", SP_CELL_NUMBER},
-                                           {"grains", "", SP_CELL_INTEGER},
-                                           {"seed", "", SP_CELL_INTEGER},
-                                           {"height", "d", SP_CELL_NUMBER},
-                                           {"t10", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                                           {"t_peak", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                                           {"t_zero", "d/sqrt(E* / rho)", SP_CELL_NUMBER},
-                                           {"amplitude", "E* d^2", SP_CELL_NUMBER},
-                                           {"width", "d/sqrt(E* / rho)", SP_CELL_NUMBER}},
-                       ensemble_last[] = {{"dimension", "", SP_CELL_INTEGER}, {"Lx", "d", SP_CELL_NUMBER},
-                                          {"friction", "", SP_CELL_NUMBER},   {"failed", "", SP_CELL_INTEGER},
-                                          {"reason", "", SP_CELL_TEXT},       {"name", "", SP_CELL_TEXT}};
+static const sp_column ensemble_first[] = {{"p", "E*", SP_COLUMN_NUMBER},
+                                           {"grains", "", SP_COLUMN_INTEGER},
+                                           {"seed", "", SP_COLUMN_INTEGER},
+                                           {"height", "d", SP_COLUMN_NUMBER},
+                                           {"t10", "d/sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                           {"t_peak", "d/sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                           {"t_zero", "d/sqrt(E* / rho)", SP_COLUMN_NUMBER},
+                                           {"amplitude", "E* d^2", SP_COLUMN_NUMBER},
+                                           {"width", "d/sqrt(E* / rho)", SP_COLUMN_NUMBER}},
+                       ensemble_last[] = {{"dimension", "", SP_COLUMN_INTEGER}, {"Lx", "d", SP_COLUMN_NUMBER},
+                                          {"friction", "", SP_COLUMN_NUMBER},   {"failed", "", SP_COLUMN_INTEGER},
+                                          {"reason", "", SP_COLUMN_TEXT},       {"name", "", SP_COLUMN_TEXT}};
 enum { ENSEMBLE_FIRST = sizeof ensemble_first / sizeof *ensemble_first };
 enum { ENSEMBLE_LAST = sizeof ensemble_last / sizeof *ensemble_last };
 
@@ -254,7 +254,7 @@ static sp_status ensemble_columns(sp_table *t, sp_error *err) {
     const int count = ensemble_quantities(q, &statics);
     sp_status status = sp_columns_add(t, ENSEMBLE_FIRST, ensemble_first, err);
     for (int k = 0; k < count && status == SP_OK; k++)
-        status = sp_table_add_column(t, q[k].name, q[k].unit, SP_CELL_NUMBER, err);
+        status = sp_table_add_column(t, q[k].name, q[k].unit, SP_COLUMN_NUMBER, err);
     return status == SP_OK ? sp_columns_add(t, ENSEMBLE_LAST, ensemble_last, err) : status;
 }
 
@@ -262,7 +262,7 @@ static sp_status ensemble_columns(sp_table *t, sp_error *err) {
 static sp_status add_sample(const sp_sample *s, sp_table *t, sp_error *err) {
     const sp_front none = {NAN, NAN, NAN, NAN, NAN, 0};
     const sp_front f = s->have & SP_WANT_CTOF ? s->front : none;
-    sp_cell row[ENSEMBLE_FIRST + 2 * QUANTITIES_MAX + ENSEMBLE_LAST] = {
+    sp_entry row[ENSEMBLE_FIRST + 2 * QUANTITIES_MAX + ENSEMBLE_LAST] = {
         {.number = s->pressure}, {.integer = s->grains},  {.integer = (int64_t)s->seed},
         {.number = s->height},   {.number = f.t10},       {.number = f.t_peak},
         {.number = f.t_zero},    {.number = f.amplitude}, {.number = f.width}};

@@ -67,7 +67,7 @@ static sp_status get_kind(sp_h5 *h, sp_packing *p, sp_error *err) {
     if (status == SP_OK)
         status = sp_h5_get(h, name_gravity.path, SP_H5_F64, &single, &p->gravity, err);
     if (status == SP_OK)
-        p->cell = (sp_boundary)kind;
+        p->cell = (sp_cell)kind;
     return status;
 }
 

@@ -88,10 +88,10 @@ static int find_word(const char *const *list, const char *word) {
     return -1;
 }
 
-bool sp_cell_read(const char *word, sp_boundary *out) {
+bool sp_cell_read(const char *word, sp_cell *out) {
     const int k = find_word(sp_cell_names, word);
     if (k >= 0)
-        *out = (sp_boundary)k;
+        *out = (sp_cell)k;
     return k >= 0;
 }
 

@@ -37,7 +37,7 @@ double sp_wrap(double x, double period);
 void sp_wrap_grain(const sp_packing *p, double x[3]);
 
 /* The cell, or the wall, of this name. False for any other word. */
-bool sp_cell_read(const char *word, sp_boundary *out);
+bool sp_cell_read(const char *word, sp_cell *out);
 bool sp_side_read(const char *word, int32_t *wall);
 
 /* Converts words to finite numbers. SP_EFORMAT with the file, the line and the word. name[k] is what word k means. */

@@ -59,7 +59,7 @@ typedef struct header {
     double edge[3], tilt[3], pressure, friction, poisson, gravity;
     uint64_t seed;
     sp_wall wall;
-    sp_boundary cell;
+    sp_cell cell;
 } header;
 
 static sp_status fail_key(const sp_lines *at, int key, const char *value, const char *rule, sp_error *err) {

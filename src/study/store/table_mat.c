@@ -117,7 +117,7 @@ static void add_texts(sp_mat *m, sp_text *t, const char *name, const sp_table *f
 }
 
 static void add_column(sp_mat *m, sp_text *t, const char *name, const sp_table *from, int column) {
-    if (from->column[column].kind == SP_CELL_TEXT)
+    if (from->column[column].kind == SP_COLUMN_TEXT)
         add_texts(m, t, name, from, column);
     else
         add_numbers(m, t, name, from, column);

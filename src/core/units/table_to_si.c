@@ -67,7 +67,7 @@ static sp_status check_columns(const sp_table *t, const sp_material *m, sp_error
         if (!sp_unit_is_ours(column->unit))
             continue;
         status = sp_unit_to_si(column->unit, m, &factor, si, err);
-        if (status == SP_OK && column->kind != SP_CELL_NUMBER)
+        if (status == SP_OK && column->kind != SP_COLUMN_NUMBER)
             status = sp_fail(err, SP_EINVAL, "column %s: has the unit %s but no numbers with a fraction", column->name,
                              column->unit);
     }

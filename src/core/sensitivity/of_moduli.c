@@ -1,8 +1,8 @@
 /* Gradients of moduli. The stress a of strain b is the sum of E_c(x_a, x_b) over the volume, where x_a is the affine
  * displacement of strain a at a spring with what the grains add at equilibrium. These are stationary, so that dC_ab is
  * the sum of dE_c(x_a, x_b), and of the change of the affine displacements. */
-#include "elastic/moduli.h"
 #include "base/base.h"
+#include "elastic/moduli.h"
 #include "elastic/strain.h"
 #include "linalg/vector.h"
 #include "sensitivity/gradient.h"

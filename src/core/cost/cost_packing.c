@@ -60,7 +60,7 @@ typedef enum grains_kind { ROUGH, SMOOTH } grains_kind;
 
 typedef struct steps_law {
     int dim;
-    sp_boundary cell;
+    sp_cell cell;
     sp_protocol protocol;
     grains_kind grains;
     double steps, height, pressure; /* at 1 d and 1e-4; powers */

@@ -1,5 +1,5 @@
 /* The cell of a network: lattice vectors and images. */
-#include "network/cell.h"
+#include "network/network_cell.h"
 
 #include "base/base.h"
 

@@ -1,5 +1,5 @@
 /* Makes a table of modes from eigenpairs. */
-#include "modes/table.h"
+#include "modes/rows.h"
 #include "base/base.h"
 #include "linalg/arrays.h"
 #include "linalg/eigen.h"

@@ -1,5 +1,5 @@
 /* Tables of a column: trajectories, states and energies of each tap, and the comparison of models. */
-#include "tapped/table.h"
+#include "tapped/tapped_table.h"
 #include "base/base.h"
 #include "tapped/column.h"
 
@@ -81,7 +81,7 @@ static sp_status strobe_times(maker *m, double columns, sp_error *err) {
 /* One column, or with `each` the columns name<first> .. name<N>. */
 typedef struct heading {
     const char *name, *unit;
-    sp_cell_kind kind;
+    sp_column_kind kind;
     bool each;
     int32_t first;
 } heading;
@@ -117,7 +117,7 @@ static sp_status trajectory_row(double t, const double *y, const double *v, void
 }
 
 static sp_status trajectory(maker *m, sp_error *err) {
-    static const heading headings[] = {{"t", "s", SP_CELL_NUMBER, false, 0}, {"y", "cm", SP_CELL_NUMBER, true, 0}};
+    static const heading headings[] = {{"t", "s", SP_COLUMN_NUMBER, false, 0}, {"y", "cm", SP_COLUMN_NUMBER, true, 0}};
     sp_status status = step_times(m, m->c->particles + 2.0, err);
     if (status == SP_OK)
         status = add_headings(m, sizeof headings / sizeof *headings, headings, err);
@@ -154,10 +154,10 @@ static sp_status comment_initial_density(maker *m, sp_error *err) {
 }
 
 static sp_status strobe(maker *m, sp_error *err) {
-    static const heading headings[] = {{"tap", "", SP_CELL_INTEGER, false, 0},
-                                       {"t", "s", SP_CELL_NUMBER, false, 0},
-                                       {"y", "cm", SP_CELL_NUMBER, true, 1},
-                                       {"density", "g/cm", SP_CELL_NUMBER, false, 0}};
+    static const heading headings[] = {{"tap", "", SP_COLUMN_INTEGER, false, 0},
+                                       {"t", "s", SP_COLUMN_NUMBER, false, 0},
+                                       {"y", "cm", SP_COLUMN_NUMBER, true, 1},
+                                       {"density", "g/cm", SP_COLUMN_NUMBER, false, 0}};
     sp_status status = strobe_times(m, m->c->particles + 3.0, err);
     if (status == SP_OK)
         status = add_headings(m, sizeof headings / sizeof *headings, headings, err);
@@ -176,9 +176,9 @@ static sp_status density_row(double t, const double *y, const double *rho, void 
 }
 
 static sp_status density(maker *m, sp_error *err) {
-    static const heading headings[] = {{"t", "s", SP_CELL_NUMBER, false, 0},
-                                       {"y", "cm", SP_CELL_NUMBER, true, 1},
-                                       {"rho", "g/cm", SP_CELL_NUMBER, true, 1}};
+    static const heading headings[] = {{"t", "s", SP_COLUMN_NUMBER, false, 0},
+                                       {"y", "cm", SP_COLUMN_NUMBER, true, 1},
+                                       {"rho", "g/cm", SP_COLUMN_NUMBER, true, 1}};
     sp_status status = step_times(m, 2.0 * m->c->particles + 1, err);
     if (status == SP_OK)
         status = add_headings(m, sizeof headings / sizeof *headings, headings, err);
@@ -207,11 +207,11 @@ static sp_status energy_rows(maker *m, const sp_tapped_report *r, sp_error *err)
 
 static sp_status energy(maker *m, sp_error *err) {
     static const heading headings[] = {
-        {"tap", "", SP_CELL_INTEGER, false, 0},          {"work", "erg", SP_CELL_NUMBER, false, 0},
-        {"dissipated", "erg", SP_CELL_NUMBER, false, 0}, {"energy", "erg", SP_CELL_NUMBER, false, 0},
-        {"residual", "", SP_CELL_NUMBER, false, 0},      {"rest", "s", SP_CELL_NUMBER, false, 0},
-        {"separation", "cm", SP_CELL_NUMBER, false, 0},  {"separation_time", "s", SP_CELL_NUMBER, false, 0},
-        {"contact", "", SP_CELL_INTEGER, false, 0}};
+        {"tap", "", SP_COLUMN_INTEGER, false, 0},          {"work", "erg", SP_COLUMN_NUMBER, false, 0},
+        {"dissipated", "erg", SP_COLUMN_NUMBER, false, 0}, {"energy", "erg", SP_COLUMN_NUMBER, false, 0},
+        {"residual", "", SP_COLUMN_NUMBER, false, 0},      {"rest", "s", SP_COLUMN_NUMBER, false, 0},
+        {"separation", "cm", SP_COLUMN_NUMBER, false, 0},  {"separation_time", "s", SP_COLUMN_NUMBER, false, 0},
+        {"contact", "", SP_COLUMN_INTEGER, false, 0}};
     if (m->c->model != SP_TAPPED_LATTICE)
         return sp_fail_key(err, SP_EINVAL, "column.output",
                            " = \"energy\": column.model must be \"lattice\": the continua have no energy "
@@ -304,9 +304,9 @@ static sp_status comparison_rows(const comparison *k, sp_error *err) {
     sp_status status = sp_table_add_comment(
         k->m->t, err, "mean and largest |y_i - y_i of the lattice| over the particles, at equal times");
     if (status == SP_OK)
-        status = sp_table_add_column(k->m->t, "t", "s", SP_CELL_NUMBER, err);
+        status = sp_table_add_column(k->m->t, "t", "s", SP_COLUMN_NUMBER, err);
     for (int j = 0; j < 4 && status == SP_OK; j++)
-        status = sp_table_add_column(k->m->t, names[j], "cm", SP_CELL_NUMBER, err);
+        status = sp_table_add_column(k->m->t, names[j], "cm", SP_COLUMN_NUMBER, err);
     for (int j = 0; j < 4 && status == SP_OK; j++)
         status = add_summary(k, names[j], columns[j], err);
     for (int64_t row = 0; row < k->m->n && status == SP_OK; row++)

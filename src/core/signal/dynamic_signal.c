@@ -257,7 +257,7 @@ sp_status sp_signal_by_dynamics(const signal_job *job, sp_signal *s, sp_error *e
     simulation k = {.job = job, .m = {0}, .spacing = job->options->until / (s->n - 1)};
     double longest = 0;
     if (!job->packing)
-        return sp_fail(err, SP_EINVAL, "method dynamics needs the packing, must be called as sp_signal_dynamics");
+        return sp_fail(err, SP_EINVAL, "method dynamics needs the packing, must be called as sp_signal_compute");
     /* gaps that may close are found in the box, between its level walls */
     sp_status status = sp_network_need_level_walls(net, "method dynamics", err);
     if (status == SP_OK)

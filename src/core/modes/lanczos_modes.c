@@ -1,8 +1,8 @@
 /* Modes in a range of frequencies, by the sparse or the dense solver. */
 #include "base/base.h"
 #include "modes/pieces.h"
+#include "modes/rows.h"
 #include "modes/slices.h"
-#include "modes/table.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,12 +1,12 @@
 /* Givens rotations, and one-sided Jacobi rotations (Hestenes 1958), which find small singular values accurately. */
-#include "network/triangle.h"
+#include "network/svd.h"
 
 #include <float.h>
 #include <math.h>
 
-enum { MOST = SP_TRIANGLE_MAX };
+enum { MOST = SP_SVD_MAX };
 
-void sp_triangle_add(sp_triangle *t, double row[MOST]) {
+void sp_svd_add(sp_svd *t, double row[MOST]) {
     for (int c = 0; c < t->n; c++) {
         double *own = t->r[c];
         const double size = hypot(own[c], row[c]);
@@ -21,7 +21,7 @@ void sp_triangle_add(sp_triangle *t, double row[MOST]) {
     }
 }
 
-double sp_triangle_least(const sp_triangle *t) {
+double sp_svd_least(const sp_svd *t) {
     double inverse[MOST][MOST] = {{0}}, squares = 0;
     for (int c = 0; c < t->n; c++)
         for (int r = c; r >= 0; r--) {
@@ -58,7 +58,7 @@ static int rotate(int n, double g[MOST][MOST], double v[MOST][MOST], int p, int 
     return 1;
 }
 
-void sp_triangle_values(const sp_triangle *t, double value[MOST], double v[MOST][MOST]) {
+void sp_svd_values(const sp_svd *t, double value[MOST], double v[MOST][MOST]) {
     const int n = t->n;
     double g[MOST][MOST] = {{0}}, squares = 0; /* columns of R v */
     for (int c = 0; c < n; c++)

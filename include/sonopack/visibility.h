@@ -1,5 +1,5 @@
-#ifndef SONOPACK_EXPORT_H
-#define SONOPACK_EXPORT_H
+#ifndef SONOPACK_VISIBILITY_H
+#define SONOPACK_VISIBILITY_H
 /* Symbol visibility. Everything else in a shared library is hidden. */
 
 #if defined(__GNUC__)
