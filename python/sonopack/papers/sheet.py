@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from .._core import Floats
 from .._table import Table
-from ..plot._frame import GREY, dash, hides, ink, inset, legend, panels, save, styled
+from ..plot._frame import GREY, Obstacles, dash, ink, inset, legend, panels, save, styled
 
 __all__ = ["Curve", "Panel", "Sheet", "save"]
 
@@ -125,11 +125,12 @@ def _tag(ax: Axes, text: str) -> None:
     corners = ((0.02, 0.97, "left"), (0.98, 0.97, "right"), (0.02, 0.03, "left"), (0.98, 0.03, "right"),
                (0.02, 0.97, "left"))
     ax.figure.draw_without_rendering()
+    there = Obstacles(ax)
     for x, y, side in corners:
         shown = ax.text(x, y, text, transform=ax.transAxes, va="top" if y > 0.5 else "bottom", ha=side, fontsize=8)
         extent = shown.get_window_extent()
         shown.remove()
-        if not hides(ax, extent):
+        if there.leave(extent):
             break
     ax.add_artist(shown)
 
