@@ -256,7 +256,7 @@ def _kind_of(head: bytes) -> str:
             return kind
     if b"\0" in head:
         return "unknown"
-    if re.match(rb"(\s*#[^\n]*\n)*\s*(# packing|N +\d+ +Lx )", head):
+    if re.match(rb"(\s*#[^\n]*\n)*\s*(# packing(?! =)|N +\d+ +Lx )", head):
         return "packing"
     first = head.lstrip()[:1]
     return "markup" if first == b"<" else "json" if first in (b"{", b"[") else "text"

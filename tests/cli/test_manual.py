@@ -20,7 +20,7 @@ def output(*arguments):
 
 def options(command):
     found = set(re.findall(r"^ +(?:-\w, )?(--[a-z][a-z0-9-]*)", output(command, "--help"), re.M))
-    found |= set(re.findall(r"^ +--\S+, (--[a-z][a-z0-9-]*)", output(command, "--help"), re.M))
+    found |= set(re.findall(r"^ +--[^,\n]+, (--[a-z][a-z0-9-]*)", output(command, "--help"), re.M))
     return found - {"--help", "--usage", "--version"}
 
 
