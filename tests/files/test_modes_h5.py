@@ -282,7 +282,7 @@ def damage():
     refused, at = 0, 0
     with h5py.File(GOOD) as f:  # the row that is drawn
         at = f["modes/vector"].id.get_chunk_info_by_coord((80 - int(f["modes/n_rattler"][()]), 0)).byte_offset
-    for byte in [at + 5, at + 77] + [rng.randrange(len(whole)) for _ in range(25)]:
+    for byte in [at + 5, at + 77] + [rng.randrange(len(whole)) for _ in range(10)]:
         damaged = bytearray(whole)
         damaged[byte] ^= 1 << rng.randrange(8)
         copy.write_bytes(damaged)
