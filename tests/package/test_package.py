@@ -73,7 +73,7 @@ def check_linked(program, light, env=None):
     if light:
         expect(not NOT_IN_THE_CORE.search(needed), f"{program.name} is linked to more than it needs:\n{needed}")
     else:
-        expect(len(set(NOT_IN_THE_CORE.findall(needed))) == 3, f"{program.name}:\n{needed}")
+        expect(len(set(NOT_IN_THE_CORE.findall(needed))) == 2, f"{program.name}:\n{needed}")
 
 
 def check_cmake_consumer(prefix, scratch, everything=False):
