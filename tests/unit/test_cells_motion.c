@@ -6,10 +6,8 @@
 #include "base/base.h"
 #include "base/pool.h"
 #include "packing/contact.h"
-#include "packing/deform.h"
 #include "packing/dynamics.h"
 #include "packing/geometry.h"
-#include "packing/neighbours.h"
 #include "packing/prepare.h"
 
 typedef struct scene {

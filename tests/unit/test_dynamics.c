@@ -5,8 +5,6 @@
 #include "base/base.h"
 #include "packing/contact.h"
 #include "packing/dynamics.h"
-#include "packing/neighbours.h"
-#include "packing/pairs.h"
 #include "packing/prepare.h"
 
 #include <sonopack/network.h>

@@ -1,7 +1,6 @@
 #include "base/base.h"
 #include "numeric/interval.h"
 #include "numeric/random.h"
-#include "numeric/resampled.h"
 #include "numeric/statistics.h"
 #include "test.h"
 

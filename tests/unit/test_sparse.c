@@ -1,6 +1,6 @@
 /* Parts of spectra by the sparse solver, against all modes by the dense one. */
 #include "base/base.h"
-#include "modes/pieces.h"
+#include "modes/slices.h"
 #include "reference.h"
 
 #include <float.h>

@@ -1,5 +1,4 @@
 #include "base/base.h"
-#include "numeric/fit.h"
 #include "numeric/random.h"
 #include "numeric/statistics.h"
 #include "test.h"

@@ -3,7 +3,7 @@
 
 #include "base/base.h"
 #include "ensemble/groups.h"
-#include "numeric/resampled.h"
+#include "numeric/interval.h"
 
 #include <stdio.h>
 

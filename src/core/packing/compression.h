@@ -1,7 +1,7 @@
 #ifndef SP_COMPRESSION_H
 #define SP_COMPRESSION_H
-/* State and functions of one compression run: start (start.c), protocol (piston.c), loading (drive.c), saved state
- * (state.c) and resulting packing (freeze.c). */
+/* State and functions of one compression run: start (start.c), protocol and resulting packing (piston.c), loading
+ * (drive.c), saved state (state.c). */
 #include "packing/dynamics.h"
 
 #include <math.h>
@@ -74,7 +74,19 @@ sp_status sp_state_save(compression *run, sp_error *err);
 /* Restores *run from hooks->state. *run has `whole` and `hooks` only. SP_EFORMAT, SP_ENOMEM. */
 sp_status sp_state_load(compression *run, sp_error *err);
 
-/* Extracts the packing from the final state. */
-sp_status sp_compression_freeze(const compression *run, sp_packing *out, sp_error *err);
+/* ---- cells without a piston ---------------------------------------------------------------------------------------
+ */
+
+/* The cell shrinks around the gas at a small inertial number, and then follows
+ * the difference between the stress in the grains and its target. */
+
+/* Largest difference between the stress and its target: of the mean normal stress, or of all components. */
+double sp_squeeze_imbalance(const compression *run);
+/* Whether the grains carry half of the pressure. */
+bool sp_squeeze_carried(const compression *run);
+/* SP_EFAILED if the cell flows under its stress without end. */
+sp_status sp_squeeze_check(const compression *run, sp_error *err);
+/* Fraction of the way from the gas to a packing, by the volume. */
+double sp_squeeze_progress(const compression *run);
 
 #endif

@@ -2,7 +2,12 @@
 #define SP_PREPARE_H
 /* Internal interface of packing generation: resolved specs, size distributions, the initial gas, and the generators. */
 
+#include "base/key.h"
+
 #include <sonopack/packing.h>
+
+/* All members of sp_pack_spec with their allowed ranges. Their order is that of the hash in a saved state. */
+SP_SHARED extern const sp_key sp_pack_keys[];
 
 /* Cells without a piston (cell_spec.c). The number of components of packing.stress; the target stress, xx yy zz yz xz
  * xy, which is p along the diagonal without one; the rows of the resolve and the check; and the spec of the gas, with

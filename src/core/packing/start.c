@@ -2,8 +2,7 @@
 #include "base/base.h"
 #include "packing/compression.h"
 #include "packing/contact.h"
-#include "packing/neighbours.h"
-#include "packing/pairs.h"
+#include "packing/dynamics.h"
 #include "packing/prepare.h"
 
 #include <math.h>

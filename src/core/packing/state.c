@@ -3,10 +3,8 @@
  * The order of pairs in the neighbour lists determines the order of summation, and so the bits. Therefore the lists are
  * rebuilt from the positions wherever a state may be saved, even if none is. */
 #include "base/base.h"
-#include "base/hash.h"
 #include "packing/compression.h"
-#include "packing/keys.h"
-#include "packing/pairs.h"
+#include "packing/dynamics.h"
 #include "packing/prepare.h"
 
 #include <math.h>

@@ -23,9 +23,4 @@ double sp_unit_convert(double value, const sp_unit *a, const sp_unit *b, const s
 /* What a table has as SI unit of this dimension; NULL if there is none. */
 const char *sp_unit_si(const sp_unit *u);
 
-/* Replaces the numbers with a dimension in a comment that the program writes, and adds their units. `factor` finds
- * factor and SI unit of a unit of ours; columns are looked up by the names that the comment's form gives. Returns a new
- * text, NULL without memory. *known: whether the comment has one of the forms that are converted. */
-char *sp_comment_to_si(const char *line, const sp_table *t, const sp_material *m, bool *known);
-
 #endif

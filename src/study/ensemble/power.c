@@ -1,6 +1,6 @@
 /* Fits a power law. */
 #include "base/base.h"
-#include "numeric/fit.h"
+#include "numeric/statistics.h"
 
 #include <math.h>
 #include <sonopack/study/study.h>

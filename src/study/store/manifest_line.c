@@ -1,6 +1,5 @@
 /* Lines of the manifest: a sample and its file, in cells separated by tabs, and a checksum. */
 #include "base/base.h"
-#include "base/hash.h"
 #include "store/manifest.h"
 #include "store/sample_h5.h"
 
