@@ -3,7 +3,6 @@
 #include "cells.h"
 #include "packing/bulk.h"
 
-#include <sonopack/counts.h>
 #include <sonopack/modes.h>
 
 static const double tilted[3] = {0.3, -0.2, 0.4};
@@ -226,9 +225,6 @@ TEST(statics_of_the_cell) {
             bonds += carrying[c];
         assert_relative(s.zs, 2.0 * bonds / (p.n - rattlers), 1e-12);
         free(carrying);
-        sp_contact_counts counts = sp_contact_counts_none();
-        assert_ok(sp_contact_counts_add(&counts, &p, 1e-4, 3, &err));
-        assert_close(counts.contacts, bonds, 0);
         sp_packing_free(&p);
     }
 }

@@ -1,18 +1,17 @@
 """Histograms of contacts: directions, normal forces and stiffnesses, as Figs. 2 and 1(c) of Somfai et al. 2005."""
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from .. import _core
-from .._core import Floats, SonopackError, call, invalid
-from .._native import ffi, lib
+from .._core import Floats, SonopackError, invalid
 from .._scene import Scene
 from .._table import Table
 from ._frame import WIDTH, dash, ink, legend, panels, styled
+from ._histograms import ContactCounts
 from ._inputs import Input, inputs
 from ._units import refuse
 from ._view import key_below, picture
@@ -24,19 +23,17 @@ CURVES = {"all": ("all contacts", 0, 1.6, 0), "strong": (r"strong: $F > \langle 
           "weak": (r"weak: $F \leq \langle F\rangle$", 1, 1.0, 1)}  # label, ink, width, dash
 
 
-def _table(given: Sequence[Input], scene: Scene | None, make: Any) -> Input:
+def _table(given: Sequence[Input], scene: Scene | None, make: Callable[[ContactCounts], Table]) -> Input:
     """The table that is given, or the counts of all packings."""
     if len(given) == 1 and not given[0].is_packing and not hasattr(given[0].source, "packing"):
         return given[0]
-    counts = ffi.new("sp_contact_counts *")
+    counts = ContactCounts()
     for one in given:
         try:
-            call(lib.sp_contact_counts_add, counts, packing_of(one)._c, threshold_of(scene), BULK)
+            counts.add(packing_of(one), threshold_of(scene), BULK)
         except SonopackError as fault:
             raise refuse(one.name, str(fault)) from None
-    table = _core.new("sp_table", lib.sp_table_free, lib.sp_table_none)
-    call(make, counts, table)
-    return Input(Table(table))
+    return Input(make(counts))
 
 
 # ---- directions -----------------------------------------------------------------------------------------------------
@@ -46,7 +43,7 @@ def angles(*data: Any, ax: Any = None, scene: Scene | None = None) -> Axes:
     """Directions of the contacts of packings, at least 3 d from the walls: all, strong and weak contacts. A circle of
     radius 1 is isotropic. In three dimensions angles are those above the horizontal. data: packings, or a table with
     the columns angle, all, strong, weak. ax: polar Axes."""
-    one = _table(inputs(data), scene, lib.sp_contact_angles_table)
+    one = _table(inputs(data), scene, ContactCounts.angles)
     angle, densities = _densities(one)
     quarter, merged = one.number("dimension") == 3, _merged(one, len(angle))
     if ax is None:
@@ -136,7 +133,7 @@ def _rings(ax: Any, largest: float, quarter: bool) -> None:
 def forces(*data: Any, ax: Any = None, scene: Scene | None = None) -> Axes:
     """Histograms of normal forces and stiffnesses, divided by their means, with standard errors over several packings.
     data: packings, or a table with the columns x, forces, stiffnesses."""
-    one = _table(inputs(data), scene, lib.sp_contact_values_table)
+    one = _table(inputs(data), scene, ContactCounts.values)
     hint = "a table of contact values has x, forces, stiffnesses"
     x, values = one.column("x", hint), [one.column(name, hint) for name in ("forces", "stiffnesses")]
     if len(x) < 2:

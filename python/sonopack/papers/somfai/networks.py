@@ -2,15 +2,13 @@
 from __future__ import annotations
 
 import math
-from typing import Any
-
 import numpy as np
 
-from ..._core import Floats, call, new
-from ..._native import ffi, lib
+from ..._core import Floats
 from ..._network import Network
 from ..._packing import Packing
 from ..._table import Table
+from ...plot._histograms import ContactCounts
 from .samples import SomfaiWork
 
 THRESHOLD = 1e-4  # least force of a contact that carries load [p d^2]
@@ -21,18 +19,12 @@ def make(work: SomfaiWork, item: str) -> None:
     {"fig1": _one, "fig2": _two, "fig3": _three}[item](work, item)
 
 
-def _counts(work: SomfaiWork, margin: float) -> Any:
+def _counts(work: SomfaiWork, margin: float) -> ContactCounts:
     """Histograms of the contacts of all packings at p = 1e-4."""
-    counts = ffi.new("sp_contact_counts *", lib.sp_contact_counts_none())
+    counts = ContactCounts()
     for _, packing, _ in work.walk("square", 1e-4):
-        call(lib.sp_contact_counts_add, counts, packing._c, THRESHOLD, margin)
+        counts.add(packing, THRESHOLD, margin)
     return counts
-
-
-def _histogram(function: Any, counts: Any) -> Table:
-    table = new("sp_table", lib.sp_table_free, lib.sp_table_none)
-    call(function, counts, table)
-    return Table(table)
 
 
 # ---- Fig. 1 ---------------------------------------------------------------------------------------------------------
@@ -46,7 +38,7 @@ def _one(work: SomfaiWork, item: str) -> None:
     work.draw(item, "fig1b", "(b) Normal stiffnesses of the same contacts.", pictures.network(packing, "stiffness"))
     work.save_table("fig1ab", _links(packing, network))
     counts = _counts(work, 0.0)
-    table = _histogram(lib.sp_contact_values_table, counts)
+    table = counts.values()
     work.draw(item, "fig1c", "(c) Histograms of the normal forces and stiffnesses of all contacts that carry, over "
                              "their means; equal areas.", pictures.values(table))
     work.save_table("fig1c", table)
@@ -80,7 +72,7 @@ def _two(work: SomfaiWork, item: str) -> None:
     from .. import pictures
 
     counts = _counts(work, 3.0)
-    table = _histogram(lib.sp_contact_angles_table, counts)
+    table = counts.angles()
     work.draw(item, "fig2", "Directions of contacts that carry, at least three diameters from both walls: all, those "
                             "with forces above the mean (strong), and the others (weak).", pictures.angles(table))
     work.say(item, f"{counts.contacts:.0f} contacts of {counts.packings} packings. The mean of 2 n_y^2 - 1, 0 without "
