@@ -6,11 +6,7 @@
 #include <sonopack/elastic.h>
 
 static sp_network network_of(const sp_packing *p, bool sliding_free) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.sliding_free = sliding_free;
-    assert_ok(sp_network_make(p, &o, &net, &err));
-    return net;
+    return network_with(p, .sliding_free = sliding_free);
 }
 
 /* C is symmetric although each entry is measured by itself; the wall feels the stress; the solves are exact. */

@@ -6,12 +6,7 @@
 #include <sonopack/network.h>
 
 static sp_network network_of(const sp_packing *p, bool prestress, bool sliding_free) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.prestress = prestress;
-    o.sliding_free = sliding_free;
-    assert_ok(sp_network_make(p, &o, &net, &err));
-    return net;
+    return network_with(p, .prestress = prestress, .sliding_free = sliding_free);
 }
 
 static double *random_vector(int64_t n) {
@@ -393,25 +388,13 @@ TEST(test_refusals) {
 
 TEST(test_no_memory) {
     sp_packing p = scattered_packing(2, 5, 0.5, 1);
-    sp_network_options o = sp_network_options_default();
-    int k = 0;
-    for (;; k++) {
-        sp_network net = sp_network_none();
-        sp_sparse a = {0};
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        sp_status status = sp_network_make(&p, &o, &net, &err);
-        if (status == SP_OK)
-            status = sp_network_assemble(&net, &a, &err);
-        sp_alloc_fail_after(-1);
-        sp_sparse_free(&a);
-        sp_network_free(&net);
-        if (status == SP_OK)
-            break;
-        assert_int_equal(status, SP_ENOMEM);
-        assert_int_equal(err.status, SP_ENOMEM);
-    }
-    assert_true(k > 15);
+    const sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    sp_sparse a = {0};
+    EACH_ALLOCATION_FAILS(10, sp_network_make(&p, &o, &net, &err), assert_true(!lacks || !net.springs));
+    EACH_ALLOCATION_FAILS(4, sp_network_assemble(&net, &a, &err), assert_true(!lacks || !a.x));
+    sp_sparse_free(&a);
+    sp_network_free(&net);
     sp_packing_free(&p);
 }
 
