@@ -4,7 +4,7 @@
  * equilibrium. The compression protocol is in piston.c. */
 
 #include "base/pool.h"
-#include "packing/cells.h"
+#include "packing/cell_grid.h"
 #include "packing/mindlin.h"
 
 #include <sonopack/packing.h>

@@ -1,11 +1,9 @@
 /* Size distributions of the grains, and the initial gas. */
 #include "packing/prepare.h"
 
-#include "packing/prepare.h"
-
 #include "base/base.h"
 #include "numeric/random.h"
-#include "packing/cells.h"
+#include "packing/cell_grid.h"
 
 #include <math.h>
 

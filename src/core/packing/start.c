@@ -32,13 +32,13 @@ static int64_t default_max_steps(const compression *run) {
 
 /* ---- order in memory ----------------------------------------------------------------------------------------- */
 
-typedef struct place {
+typedef struct numbered {
     int64_t cell[3];
     int32_t id;
-} place;
+} numbered;
 
 static int by_place(const void *one, const void *two) {
-    const place *a = one, *b = two;
+    const numbered *a = one, *b = two;
     for (int k = 0; k < 3; k++)
         if (a->cell[k] != b->cell[k])
             return a->cell[k] < b->cell[k] ? -1 : 1;
@@ -50,7 +50,7 @@ static int by_place(const void *one, const void *two) {
 static sp_status number_by_place(const sp_pack_spec *spec, const double *x, double height, int32_t *id, sp_error *err) {
     const int up = spec->dim - 1;
     const double layers = fmax(1, spec->grains / (spec->width * (up == 2 ? spec->depth : 1)));
-    place *p = sp_alloc((size_t)spec->grains, sizeof *p);
+    numbered *p = sp_alloc((size_t)spec->grains, sizeof *p);
     if (!p)
         return sp_fail_memory(err, (size_t)spec->grains * sizeof *p);
     for (int32_t i = 0; i < spec->grains; i++) {

@@ -65,15 +65,15 @@ static const char *const forms[] = {
 enum { PLACES_MOST = 16 };
 
 /* A number, or a list, that a form has found in a line. */
-typedef struct place {
+typedef struct number_at {
     const char *at;
     size_t length;
     char unit[SP_UNIT_TEXT]; /* what is between < and > */
-} place;
+} number_at;
 
 typedef struct found {
     int n;
-    place place[PLACES_MOST];
+    number_at place[PLACES_MOST];
 } found;
 
 /* ---- finding numbers -------------------------------------------------------------------------------------------- */
@@ -120,8 +120,8 @@ static bool fits(const char *form, const char *line, found *f) {
     const size_t length = form[1] == '+' ? list_length(line) : number_length(line);
     if (length == 0 || f->n == PLACES_MOST)
         return false;
-    place *p = &f->place[f->n++];
-    *p = (place){.at = line, .length = length};
+    number_at *p = &f->place[f->n++];
+    *p = (number_at){.at = line, .length = length};
     snprintf(p->unit, sizeof p->unit, "%.*s", (int)(close - form - 1), form + 1);
     return fits(close + 1, line + length, f);
 }
@@ -190,7 +190,7 @@ static void put_list(sp_text *out, const char *text, size_t length, double facto
     }
 }
 
-static void put_place(sp_text *out, const place *p, const sp_table *t, const sp_material *m) {
+static void put_place(sp_text *out, const number_at *p, const sp_table *t, const sp_material *m) {
     const char mark = p->unit[0], *unit = mark && strchr("~!+=", mark) ? p->unit + 1 : p->unit;
     char si[SP_UNIT_TEXT] = "";
     double factor = 1;
