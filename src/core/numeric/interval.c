@@ -72,7 +72,8 @@ static int ascending(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-double sp_interval_t(double deviation, double error, double scatter) {
+/* t of a resample; infinite if its error is below 1e-9 of `scatter`, the error of all samples. */
+static double t_of(double deviation, double error, double scatter) {
     if (error > rounding * scatter)
         return deviation / error;
     if (!(error >= 0) || isnan(deviation))
@@ -80,7 +81,9 @@ double sp_interval_t(double deviation, double error, double scatter) {
     return fabs(deviation) > rounding * scatter ? copysign(INFINITY, deviation) : 0;
 }
 
-sp_interval sp_interval_of_t(int64_t n, double *t, double level, int64_t freedom, double value, double error) {
+/* value - t_high error .. value - t_low error from the t of n resamples, some of which may be NAN or infinite.
+ * `freedom` is that of Student's quantile. Reorders t. */
+static sp_interval interval_of_t(int64_t n, double *t, double level, int64_t freedom, double value, double error) {
     static const sp_interval none = {NAN, NAN};
     if (freedom < 1 || !isfinite(value) || !isfinite(error))
         return none;
@@ -160,11 +163,11 @@ sp_status sp_intervals(const sp_interval_problem *p, const sp_interval_options *
                 next[s] = (int64_t)sp_random_below(&random, (uint64_t)p->size[g]);
         p->measure(p->size, d.pick, d.one, d.one_error, p->user);
         for (int v = 0; v < p->values; v++)
-            d.t[(size_t)v * resamples + k] = sp_interval_t(d.one[v] - d.value[v], d.one_error[v], d.error[v]);
+            d.t[(size_t)v * resamples + k] = t_of(d.one[v] - d.value[v], d.one_error[v], d.error[v]);
     }
     for (int v = 0; v < p->values; v++)
-        out[v] = sp_interval_of_t((int64_t)resamples, d.t + (size_t)v * resamples, opt->level, least - 1, d.value[v],
-                                  d.error[v]);
+        out[v] = interval_of_t((int64_t)resamples, d.t + (size_t)v * resamples, opt->level, least - 1, d.value[v],
+                               d.error[v]);
 out:
     drawing_free(&d);
     return status;
@@ -349,9 +352,9 @@ sp_status sp_resampled_intervals(sp_resampled *r, sp_interval *out, sp_error *er
             if (!(r->weight[b] > 0))
                 continue; /* empty resample */
             const double one = mean_of(r, b, k, &one_error);
-            t[count++] = sp_interval_t(one - mean, one_error, error);
+            t[count++] = t_of(one - mean, one_error, error);
         }
-        out[k] = sp_interval_of_t(count, t, r->level, r->count - 1, r->first[k] + mean, error);
+        out[k] = interval_of_t(count, t, r->level, r->count - 1, r->first[k] + mean, error);
     }
     sp_free(t);
     return SP_OK;

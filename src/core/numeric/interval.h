@@ -68,11 +68,6 @@ SP_SHARED sp_status sp_intervals_of_means(int64_t n, int values, const double *c
 double sp_quantile(int64_t n, const double *ascending, double p);
 /* Quantile p, 0 < p < 1, of Student's t distribution with `freedom` >= 1 degrees of freedom; relative error 1e-9. */
 double sp_student_quantile(double p, int64_t freedom);
-/* Interval value - t_high error .. value - t_low error from the t of n resamples, some of which may be NAN or infinite.
- * `freedom` is that of Student's quantile. Reorders t. */
-sp_interval sp_interval_of_t(int64_t n, double *t, double level, int64_t freedom, double value, double error);
-/* t of a resample; infinite if its error is below 1e-9 of `scatter`, the error of all samples. */
-double sp_interval_t(double deviation, double error, double scatter);
 /* SP_EINVAL if the level is out of range. */
 SP_SHARED sp_status sp_level_check(double level, sp_error *err);
 

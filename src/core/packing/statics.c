@@ -33,7 +33,8 @@ bool sp_bulk_has(const bulk *b, const double x[3]) {
     return true;
 }
 
-bool sp_bulk_has_contact(const bulk *b, const sp_packing *p, const sp_contact *c) {
+/* Whether a contact point is in the bulk. */
+static bool has_contact(const bulk *b, const sp_packing *p, const sp_contact *c) {
     double point[3];
     for (int a = 0; a < 3; a++)
         point[a] = p->x[3 * (size_t)c->i + (size_t)a] + c->n[a] * (p->r[c->i] - 0.5 * c->overlap);
@@ -94,14 +95,12 @@ static double part(const bulk *b, int dim, const double x[3], double r) {
 
 double sp_bulk_ball(const bulk *b, const double x[3], double r) { return part(b, 3, x, r); }
 
-double sp_bulk_disc(const bulk *b, const double x[3], double r) { return part(b, 2, x, r); }
-
 static void sum_fractions(const sp_packing *p, const bulk *b, const uint8_t *rattler, sp_statics *s) {
     double area = 0, volume = 0, carrying = 0;
     for (int32_t i = 0; i < p->n; i++) {
         const double r = p->r[i], *x = p->x + 3 * (size_t)i;
         const double ball = grain_mass(r) * sp_bulk_ball(b, x, r);
-        area += p->dim == 2 ? PI * r * r * sp_bulk_disc(b, x, r) : 0;
+        area += p->dim == 2 ? PI * r * r * part(b, 2, x, r) : 0;
         volume += ball;
         carrying += rattler[i] ? 0 : ball;
     }
@@ -159,7 +158,7 @@ static void sum_forces(const sp_packing *p, const bulk *b, const uint8_t *carryi
     for (int pass = 0; pass < 2; pass++)
         for (int32_t c = 0; c < p->n_contacts; c++) {
             const sp_contact *k = &p->contacts[c];
-            if (!carrying[c] || !sp_bulk_has_contact(b, p, k))
+            if (!carrying[c] || !has_contact(b, p, k))
                 continue;
             const double ny2 = k->n[p->dim - 1] * k->n[p->dim - 1];
             if (pass == 0) {

@@ -1,9 +1,8 @@
 /* Converts tables to SI: columns, and the numbers in comments. */
-#include "units/unit.h"
-
 #include "base/base.h"
 #include "base/text.h"
 
+#include <sonopack/units.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
