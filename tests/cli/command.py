@@ -39,9 +39,9 @@ def run(*words, status=0, **options):
 
 
 def refused(names, *words, status=2, **options):
-    """What is refused prints nothing, and its first line on stderr is a reason that names these words."""
+    """What is refused prints nothing, and its first line on stderr, warnings aside, is a reason that names these words."""
     done = run(*words, status=status, **options)
-    line = done.stderr.split("\n")[0]
+    line = next((line for line in done.stderr.splitlines() if "warning" not in line), "")
     assert line.startswith("sonopack") and names_all(line, names) and not done.stdout, (words, names, done)
     return line
 
