@@ -120,4 +120,5 @@ def speed():
     assert os.times().children_user - before < 5
 
 
-main(memory, packings, studies, networks, speed)
+if __name__ == "__main__":
+    main(memory, packings, studies, networks, speed)
