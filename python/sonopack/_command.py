@@ -1,7 +1,7 @@
 """What the commands in Python share: options, scenes, units, messages, files that appear whole, exit statuses.
 
-`sonopack plot`, `view`, `convert` and `reproduce` execute `sonopack-NAME`, which calls start(NAME). Each is a package with a
-module `command` that has parser(), which returns a Parser, and run(arguments), which does the work.
+`sonopack plot`, `view`, `convert`, `reproduce` and `bench` execute `sonopack-NAME`, which calls start(NAME). Each has a module
+with parser(), which returns a Parser, and run(arguments), which does the work.
 """
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ DONE, FAILED, USAGE = 0, 1, 2
 
 #: the module of each command
 MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command",
-           "pack-lammps": "formats.engine"}
+           "pack-lammps": "formats.engine", "bench": "bench"}
 
 #: which Debian package brings a module
 DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",

@@ -49,7 +49,6 @@ typedef struct cli_common {
 /* argv[0] is "sonopack NAME". Returns the exit status. */
 typedef int (*cli_command)(int argc, char **argv);
 int cmd_amplitude(int argc, char **argv);
-int cmd_bench(int argc, char **argv);
 int cmd_chain(int argc, char **argv);
 int cmd_check(int argc, char **argv);
 int cmd_coda(int argc, char **argv);

@@ -40,7 +40,7 @@ static const cli_command_row commands[] = {
     {"plot", cmd_dispatch, "draw figures"},
     {"view", cmd_dispatch, "write a page that shows packings, modes and waves in a browser"},
     {"convert", cmd_dispatch, "import and export packings"},
-    {"bench", cmd_bench, "measure each method's run time against its error"},
+    {"bench", cmd_dispatch, "measure each method's run time against its error"},
     {"completion", cmd_completion, "print the completions for a shell: bash, zsh or fish"},
     {"help", NULL, "explain a command, a key of scenes (`friction'), or all of them (`scene')"},
     {NULL, NULL, NULL}};
