@@ -9,6 +9,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+/* Default tolerance of `sonopack check' and `study --verify'. By the default rule grains and walls are balanced to
+ * about 1e-6 of p d^2; packings that were compressed elsewhere to an acceleration of 1e-10, with a heavy piston, are
+ * off by 1e-5 at the walls. */
+#define CLI_AUDIT_TOLERANCE 2e-5
+
 enum { CLI_OK = 0, CLI_FAILED = 1, CLI_USAGE = 2 };
 
 /* An option whose number has a unit, "50 us": it waits for the material, which may be that of a file. */
@@ -81,13 +86,15 @@ extern const cli_command_row *cli_commands; /* set by main */
 /* ---- options ---------------------------------------------------------------------------------------------------- */
 
 typedef enum cli_option_kind {
-    CLI_PARSED = 0, /* calls parse() */
+    CLI_PARSED = 0, /* calls parse() with the field */
     CLI_FLAG,       /* sets a bool to true */
     CLI_TEXT,       /* const char *: the argument itself */
     CLI_NUMBER,     /* double between low and high */
     CLI_INTEGER,    /* int64_t or uint64_t between low and high */
     CLI_INT,        /* the same, int32_t */
-    CLI_CHOICE      /* int: the index of the argument in `words` */
+    CLI_CHOICE,     /* int: the index of the argument in `words` */
+    CLI_PAIR,       /* double[2]: LOW:HIGH, both between low and high */
+    CLI_DASHPOTS    /* sp_damping, see cli_damping_read */
 } cli_option_kind;
 
 /* One long option, which sets a field of the command's arguments. */
@@ -101,11 +108,10 @@ typedef struct cli_option {
     const char *key; /* the range is that of this scene key, instead of low and high; with `scene' it is this key */
     bool scene;      /* sets a value of the scene, after --set */
     const char *const *words; /* ended by NULL */
-    sp_status (*parse)(void *arguments, const char *text, sp_error *err);
-    const char *kinds;          /* the words KIND that take the option, separated by blanks; NULL: all */
-    int letter;                 /* short option */
-    const char *unit;           /* of a number: it may be given with another unit of the same dimension */
-    const char *(*word)(int k); /* CLI_PARSED: words that it takes, for completion; NULL after the last */
+    sp_status (*parse)(void *field, const char *text, sp_error *err);
+    const char *kinds; /* the words KIND that take the option, separated by blanks; NULL: all */
+    int letter;        /* short option */
+    const char *unit;  /* of a number: it may be given with another unit of the same dimension */
 } cli_option;
 
 /* The command line of one command. */
@@ -113,14 +119,14 @@ typedef struct cli_syntax {
     const char *usage; /* the arguments; one line for each form */
     const char *help;  /* one sentence, \v, and what follows the options */
     const cli_option *options;
-    const char *const *kinds;        /* possible words of the first argument, ended by NULL; NULL: it is a file */
-    const char *kind_name;           /* "kind of spectrum", for messages */
-    const char *file_name;           /* what a file is, for messages: "packing", "scene" */
-    int files_min, files_max;        /* how many */
-    const char *(*file_word)(int k); /* words in place of files; NULL: files */
-    bool springs;                    /* takes --threshold and --prestress */
-    bool finds_material;             /* calls cli_take_material */
-    const char *not_si;              /* why the command has no --units si; NULL: it has */
+    const char *const *kinds;           /* possible words of the first argument, ended by NULL; NULL: it is a file */
+    const char *kind_name;              /* "kind of spectrum", for messages */
+    const char *file_name;              /* what a file is, for messages: "packing", "scene" */
+    int files_min, files_max;           /* how many */
+    const char *const *kinds_by_option; /* the same of an option, which sets common.kind */
+    bool springs;                       /* takes --threshold and --prestress */
+    bool finds_material;                /* calls cli_take_material */
+    const char *not_si;                 /* why the command has no --units si; NULL: it has */
     sp_status (*check)(void *arguments, sp_error *err); /* called after everything has been read; may be NULL */
 } cli_syntax;
 
@@ -151,6 +157,11 @@ int cli_nearest(const char *word, const char *(*name)(int k, const void *user), 
 /* A finite decimal number between low and high, and nothing else. The option's name is for the message. */
 sp_status cli_number(const char *option, const char *text, double low, double high, double *out, sp_error *err);
 sp_status cli_integer(const char *option, const char *text, int64_t low, int64_t high, int64_t *out, sp_error *err);
+/* Up to `capacity' numbers with commas between them; where high is infinite, one may be inf. */
+sp_status cli_numbers(const char *option, const char *text, double low, double high, int32_t capacity, int32_t *n,
+                      double *out, sp_error *err);
+/* LOW:HIGH with LOW below HIGH. */
+sp_status cli_pair(const char *option, const char *text, double low, double high, double out[2], sp_error *err);
 /* Frequencies W, or W1,W2,..., or LOW:HIGH:N of --at; omega has `capacity` elements. */
 sp_status cli_frequencies(const char *text, int32_t capacity, int32_t *n, double *omega, sp_error *err);
 /* A scene from --set and from options of the scene, for commands that read packings. `groups` names the groups of keys
@@ -229,6 +240,18 @@ sp_status cli_may_write_modes(const cli_common *common, const char *path, sp_err
 sp_status cli_may_write_table(const cli_common *common, sp_error *err);
 /* Prints the table, or writes it to common->output in the format of that ending. Adds a comment with the version. */
 sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err);
+/* The same with another file, or NULL to print. */
+sp_status cli_write_table_to(const cli_common *common, const char *path, sp_table *t, sp_error *err);
+
+/* Whether a file name has this ending, as in ".h5". Upper case and lower case are the same. */
+bool cli_has_ending(const char *path, const char *ending);
+bool cli_is_hdf5(const char *path); /* .h5 or .hdf5 */
+/* Reads the packing that packing.file names, and sets what the scene takes from it. */
+sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err);
+/* Prints text on stdout. */
+sp_status cli_print(const char *text, sp_error *err);
+/* Closes stdout, for atexit: after a write error it prints the reason and exits with CLI_FAILED. */
+void cli_close_stdout(void);
 
 /* Adds columns, comments and rows to a table. After a failure the calls do nothing, so that a caller may make several
  * and check `status` once. */

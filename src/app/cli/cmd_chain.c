@@ -1,10 +1,11 @@
 /* sonopack chain: prints fronts, signals and modes of a chain of equal balls, in closed form. */
 #include "base/base.h"
-#include "cli/chain_localised.h"
+#include "cli/cli.h"
 #include "packing/contact.h"
 
 #include <math.h>
 #include <sonopack/amplitude.h>
+#include <sonopack/transport.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -279,38 +280,26 @@ static sp_status modes_table(const arguments *a, cli_writer *w) {
     return w->status;
 }
 
-static sp_status soliton_row(const char *text, size_t length, cli_writer *w) {
-    char word[64] = "";
-    double peak = INFINITY;
+static void soliton_row(double peak, cli_writer *w) {
     sp_solitary s;
-    if (length < sizeof word)
-        memcpy(word, text, length);
-    if (strcmp(word, "inf") != 0)
-        w->status = cli_number("--peaks", word, 1e-4, 1e9, &peak, w->err);
-    if (w->status == SP_OK)
-        w->status = sp_solitary_make(peak, &s, w->err);
+    w->status = sp_solitary_make(peak, &s, w->err);
     if (w->status == SP_OK)
         w->status =
             sp_table_add_row(w->table, w->err, s.peak, s.force, s.speed, s.kdv, s.nesterenko, s.velocity, s.width,
                              s.kdv_width, s.speed_at_peak, s.nesterenko_at_peak, s.velocity_at_peak, s.error);
-    return w->status;
 }
 
 static sp_status soliton_table(const arguments *a, cli_writer *w) {
     const char *text = a->peaks ? a->peaks : "0.001,0.01,0.1,1,10,100,1000,inf";
+    double peak[LENGTHS_MAX];
+    int32_t n = 0;
+    w->status = cli_numbers("--peaks", text, 1e-4, INFINITY, LENGTHS_MAX, &n, peak, w->err);
     cli_comment(w, "relative_error: of speed, velocity and width, an estimate");
     cli_columns(w, SP_COLUMN_NUMBER, "peak", "", "force", "", "speed", "c", "kdv", "c", "nesterenko", "c", "velocity",
                 "c delta0/l", "width", "l", "kdv_width", "l", "speed_at_peak", "", "nesterenko_at_peak", "",
                 "velocity_at_peak", "", "relative_error", "", NULL);
-    for (int rows = 0; w->status == SP_OK; rows++) {
-        const size_t length = strcspn(text, ",");
-        if (rows == LENGTHS_MAX)
-            return sp_fail(w->err, SP_EINVAL, "--peaks: at most %d numbers", LENGTHS_MAX);
-        soliton_row(text, length, w);
-        if (text[length] == '\0')
-            break;
-        text += length + 1;
-    }
+    for (int32_t k = 0; k < n && w->status == SP_OK; k++)
+        soliton_row(peak[k], w);
     return w->status;
 }
 
@@ -324,11 +313,44 @@ static units units_of(double pressure, sp_chain_source source) {
     return (units){1 / rate, k * (source == SP_CHAIN_VELOCITY ? rate : k), "d/sqrt(E* / rho)", "E* d^2"};
 }
 
+static void localisation_rows(const arguments *a, int64_t grains, int32_t n, const double *omega, const double *mass,
+                              const double *spring, cli_writer *w) {
+    for (int32_t l = 0; l < n && w->status == SP_OK; l++) {
+        sp_localisation r;
+        w->status = sp_localisation_chain(grains, mass, spring, omega[l], &r, w->err);
+        const bool seen = w->status == SP_OK && r.gamma > 2 * r.gamma_err;
+        const double length = seen ? 1 / r.gamma : NAN;
+        if (w->status == SP_OK)
+            w->status = sp_table_add_row(w->table, w->err, omega[l], r.gamma, r.gamma_err, length,
+                                         length * length * r.gamma_err, 1 / (fmax(0, r.gamma) + 2 * r.gamma_err),
+                                         sp_localisation_law(omega[l], 1, a->disorder * a->disorder, 1));
+    }
+}
+
 static sp_status localisation_table(const arguments *a, cli_writer *w) {
-    chain_localised of = {.grains = 1000000, .seed = a->seed, .disorder = a->disorder, .at = a->at};
+    double omega[LENGTHS_MAX];
+    int32_t n = 0;
+    int64_t grains = 1000000;
     if (a->grains)
-        w->status = cli_integer("--grains", a->grains, 1000, RANDOM_MAX, &of.grains, w->err);
-    return w->status == SP_OK ? chain_localised_table(&of, w) : w->status;
+        w->status = cli_integer("--grains", a->grains, 1000, RANDOM_MAX, &grains, w->err);
+    if (w->status == SP_OK)
+        w->status = cli_frequencies(a->at ? a->at : "0.1:1.9:19", LENGTHS_MAX, &n, omega, w->err);
+    if (w->status != SP_OK)
+        return w->status;
+    double *mass = sp_alloc(2 * (size_t)grains + 1, sizeof *mass);
+    if (!mass)
+        return sp_fail_memory(w->err, (2 * (size_t)grains + 1) * sizeof *mass);
+    double *spring = mass + grains;
+    w->status = sp_localisation_masses(grains, a->disorder, (uint64_t)a->seed, mass, w->err);
+    for (int64_t j = 0; j <= grains; j++)
+        spring[j] = 1;
+    cli_comment(w, "grains = %lld", (long long)grains);
+    cli_value(w, "disorder", a->disorder);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", "c/l", "gamma", "1/l", "gamma_err", "1/l", "length", "l", "length_err",
+                "l", "length_low", "l", "law", "1/l", NULL);
+    localisation_rows(a, grains, n, omega, mass, spring, w);
+    sp_free(mass);
+    return w->status;
 }
 
 static sp_status work(const arguments *a, sp_table *t, sp_error *err) {

@@ -1,7 +1,6 @@
 /* sonopack check: checks that packings are in mechanical equilibrium and consistent with their force law. */
 #include "base/base.h"
 #include "cli/files.h"
-#include "cli/verify.h"
 
 #include <math.h>
 #include <stdio.h>

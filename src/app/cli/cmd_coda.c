@@ -2,7 +2,6 @@
 #include "base/base.h"
 #include "cli/excitation.h"
 #include "cli/files.h"
-#include "cli/trace.h"
 #include "numeric/random.h"
 #include "packing/geometry.h"
 
@@ -13,35 +12,11 @@
 typedef struct arguments {
     cli_common common;
     const char *before, *after; /* tables of measured signals; NULL: computed ones */
-    double change, noise, low, high;
+    double change, noise, window[2];
     int64_t grain, trials, seed, points, rows;
     cli_places sources, detectors;
     int component, source;
 } arguments;
-
-static sp_status add_source(void *user, const char *word, sp_error *err) {
-    return cli_places_add(&((arguments *)user)->sources, "--from", word, err);
-}
-
-static sp_status add_detector(void *user, const char *word, sp_error *err) {
-    return cli_places_add(&((arguments *)user)->detectors, "--detector", word, err);
-}
-
-static sp_status set_window(void *user, const char *text, sp_error *err) {
-    arguments *a = user;
-    char first[64] = "";
-    const char *colon = strchr(text, ':');
-    const size_t length = colon ? (size_t)(colon - text) : 0;
-    if (length == 0 || length >= sizeof first)
-        return sp_fail(err, SP_EINVAL, "--window %.60s: must be two times, T1:T2", text);
-    memcpy(first, text, length);
-    sp_status status = cli_number("--window", first, 0, 1e9, &a->low, err);
-    if (status == SP_OK)
-        status = cli_number("--window", colon + 1, 1e-9, 1e9, &a->high, err);
-    if (status == SP_OK && !(a->low < a->high))
-        status = sp_fail(err, SP_EINVAL, "--window %.60s: must be two times T1:T2 with T1 below T2", text);
-    return status;
-}
 
 static const cli_option options[] = {
     {.help = "Measured signals:"},
@@ -60,13 +35,15 @@ static const cli_option options[] = {
      .field = offsetof(arguments, points), .low = 10, .high = 1000000},
     {.help = "Comparison:"},
     {"window", "T1:T2", "Times that are compared [d/sqrt(E* / rho)] (W/2:2 W with W = (8 H + 40) (p/1e-4)^(-1/6))",
-     .parse = set_window},
+     CLI_PAIR, .field = offsetof(arguments, window), .high = 1e9},
     {"noise", "SD",
      "Noise of both signals, relative to the root mean square of the signal in the window (0; of measured signals what "
      "the best fit leaves)",
      CLI_NUMBER, .field = offsetof(arguments, noise), .high = 1e6},
-    {"from", "PLACE", "Source, as in signal (bottom); repeatable", .parse = add_source},
-    {"detector", "PLACE", "Detector, as in signal (top); repeatable", .parse = add_detector},
+    {"from", "PLACE", "Source, as in signal (bottom); repeatable", .parse = cli_places_add,
+     .field = offsetof(arguments, sources)},
+    {"detector", "PLACE", "Detector, as in signal (top); repeatable", .parse = cli_places_add,
+     .field = offsetof(arguments, detectors)},
     {"component", "normal|shear", "Component at every PLACE without one (normal)", CLI_CHOICE,
      .field = offsetof(arguments, component), .words = cli_component_names},
     {"source", "impulse|velocity|displacement", "Kind of source (impulse)", CLI_CHOICE,
@@ -210,9 +187,9 @@ static sp_status same_times(const sp_table *a, const sp_table *b, int time_a, in
 static sp_status read_signals(const arguments *a, signals *s, sp_error *err) {
     sp_table before = sp_table_none(), after = sp_table_none();
     int time = 0, force = 0, time_after = 0, force_after = 0;
-    sp_status status = cli_read_table(a->before, &before, err);
+    sp_status status = sp_table_read(a->before, &before, err);
     if (status == SP_OK)
-        status = cli_read_table(a->after, &after, err);
+        status = sp_table_read(a->after, &after, err);
     if (status == SP_OK)
         status = find_columns(&before, a->before, s->pairs, &time, &force, err);
     if (status == SP_OK)
@@ -220,10 +197,10 @@ static sp_status read_signals(const arguments *a, signals *s, sp_error *err) {
     if (status == SP_OK)
         status = same_times(&before, &after, time, time_after, a->after, err);
     if (status == SP_OK) {
-        const int32_t first = first_row(&before, time, a->low, a->high, &s->times);
+        const int32_t first = first_row(&before, time, a->window[0], a->window[1], &s->times);
         if (s->times < 10)
             status = sp_fail(err, SP_EINVAL, "%s: has %d rows in the window %g:%g, must have at least 10", a->before,
-                             s->times, a->low, a->high);
+                             s->times, a->window[0], a->window[1]);
         if (status == SP_OK)
             status = alloc_signals(s, err);
         if (status == SP_OK) {
@@ -362,9 +339,9 @@ static sp_status prepare(arguments *a, const cli_file *file, signals *s, sp_coda
     sp_status status;
     cli_places_set_component(&a->sources, a->component == 1);
     cli_places_set_component(&a->detectors, a->component == 1);
-    if (isnan(a->low)) {
-        a->low = 0.5 * usual;
-        a->high = 2 * usual;
+    if (isnan(a->window[0])) {
+        a->window[0] = 0.5 * usual;
+        a->window[1] = 2 * usual;
     }
     s->pairs = a->sources.n * a->detectors.n;
     s->times = (int32_t)a->points;
@@ -380,14 +357,14 @@ static sp_status prepare(arguments *a, const cli_file *file, signals *s, sp_coda
     if (status != SP_OK || a->before)
         return status;
     for (int32_t l = 0; l < s->times; l++)
-        s->t[l] = a->low + (a->high - a->low) * l / (s->times - 1);
+        s->t[l] = a->window[0] + (a->window[1] - a->window[0]) * l / (s->times - 1);
     return sp_coda_signal(&file->network, o, -1, 0, s->before, err);
 }
 
 static void describe(const arguments *a, const cli_file *file, const sp_coda *c, cli_writer *w) {
     cli_comment(w, "file = %s", file->path);
-    cli_value(w, "window_low", a->low);
-    cli_value(w, "window_high", a->high);
+    cli_value(w, "window_low", a->window[0]);
+    cli_value(w, "window_high", a->window[1]);
     cli_comment(w, "pairs = %d", c->pairs);
     cli_comment(w, "times = %d", c->times);
     if (a->noise > 0)
@@ -443,8 +420,7 @@ int cmd_coda(int argc, char **argv) {
                    .seed = 1,
                    .points = 400,
                    .rows = 20,
-                   .low = NAN,
-                   .high = NAN,
+                   .window = {NAN, NAN},
                    .sources = {.sources = true}};
     cli_parse(&syntax, argc, argv, &a);
     return cli_run_files(&command, &a);

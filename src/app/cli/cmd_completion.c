@@ -1,7 +1,7 @@
 /* sonopack completion: prints a short script for a shell, which asks `sonopack completion --words ...' for the words at
  * every key. They come from the tables that the commands are parsed with, so that they cannot be out of date. */
 #include "base/base.h"
-#include "cli/output.h"
+#include "cli/cli.h"
 #include "scene/field.h"
 
 #include <stdio.h>
@@ -126,25 +126,9 @@ static void put_setting(const offer *o, const char *current) {
     put_values(&(offer){before, length}, key);
 }
 
-/* "a|b|c" is a list of words if it has no upper case and no digits. */
-static void put_listed(const offer *o, const char *list) {
-    char word[32];
-    if (!strchr(list, '|') || list[strspn(list, "abcdefghijklmnopqrstuvwxyz-|")] != '\0')
-        return;
-    for (; *list; list += strspn(list, "|")) {
-        const size_t n = strcspn(list, "|");
-        snprintf(word, sizeof word, "%.*s", (int)n, list);
-        put(o, word, "", "");
-        list += n;
-    }
-}
-
 static void put_argument(const offer *o, const cli_option *option, const char *current) {
     if (option->words)
         put_words(o, option->words);
-    else if (option->word)
-        for (int k = 0; option->word(k); k++)
-            put(o, option->word(k), "", "");
     else if (option->key && sp_field_find(option->key)->words)
         put_values(o, option->key);
     else if (strcmp(option->argument, "KEY=VALUE") == 0)
@@ -153,8 +137,6 @@ static void put_argument(const offer *o, const cli_option *option, const char *c
         puts(":folders");
     else if (strstr(option->argument, "FILE") || strcmp(option->argument, "TABLE") == 0)
         puts(":files");
-    else
-        put_listed(o, option->argument);
 }
 
 /* ---- one command line ------------------------------------------------------------------------------------------- */
@@ -213,9 +195,6 @@ static void put_line(const cli_syntax *s, int count, char **word) {
         put_options(&o, s);
     else if (s->kinds && count == 1)
         put_words(&o, s->kinds);
-    else if (s->file_word)
-        for (int k = 0; s->file_word(k); k++)
-            put(&o, s->file_word(k), "", "");
     else
         put_files(s);
 }

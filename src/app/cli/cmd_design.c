@@ -1,7 +1,6 @@
 /* sonopack design: finds which grains to make heavier, stiffer or larger, and writes the packing of such grains. */
 #include "base/base.h"
 #include "cli/files.h"
-#include "cli/output.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +12,7 @@ typedef struct arguments {
     const char *packing; /* file of the result */
     int rows;
     bool goal_given;
+    double limits[2]; /* NAN: not given, they depend on what is varied */
 } arguments;
 
 static const char *const goal_names[] = {
@@ -22,38 +22,24 @@ static const char *const vary_names[] = {
 enum { ROWS_STEPS = 0, ROWS_GRAINS };
 static const char *const row_names[] = {[ROWS_STEPS] = "steps", [ROWS_GRAINS] = "grains", NULL};
 
-/* Two numbers LOW:HIGH. */
-static sp_status read_pair(const char *option, const char *text, double *low, double *high, sp_error *err) {
-    char first[64] = "";
-    const char *colon = strchr(text, ':');
-    const size_t length = colon ? (size_t)(colon - text) : 0;
-    if (length == 0 || length >= sizeof first)
-        return sp_fail(err, SP_EINVAL, "%s %.60s: must be two numbers, LOW:HIGH", option, text);
-    memcpy(first, text, length);
-    sp_status status = cli_number(option, first, 0, 1e9, low, err);
-    return status == SP_OK ? cli_number(option, colon + 1, 0, 1e9, high, err) : status;
-}
-
 static sp_status set_goal(void *user, const char *text, sp_error *err) {
     arguments *a = user;
     char word[16] = "";
     const size_t length = strcspn(text, ":");
     int goal;
+    double band[2] = {a->o.band_low, a->o.band_high};
     if (length < sizeof word)
         memcpy(word, text, length);
     sp_status status = cli_choose("--goal", word, goal_names, &goal, err);
     if (status == SP_OK && (goal == SP_DESIGN_BAND) != (text[length] == ':'))
         status = sp_fail(err, SP_EINVAL, "--goal %.60s: must be delay, advance or band:W1:W2", text);
     if (status == SP_OK && goal == SP_DESIGN_BAND)
-        status = read_pair("--goal band:", text + length + 1, &a->o.band_low, &a->o.band_high, err);
+        status = cli_pair("--goal band:", text + length + 1, 0, 1e9, band, err);
+    a->o.band_low = band[0];
+    a->o.band_high = band[1];
     a->o.goal = (sp_design_goal)goal;
     a->goal_given = true;
     return status;
-}
-
-static sp_status set_limits(void *user, const char *text, sp_error *err) {
-    arguments *a = user;
-    return read_pair("--limits", text, &a->o.low, &a->o.high, err);
 }
 
 static sp_status check(void *user, sp_error *err) {
@@ -67,7 +53,8 @@ static const cli_option options[] = {
      .words = goal_names},
     {"vary", "mass|modulus|radius", "What of each grain is changed (mass)", CLI_CHOICE,
      .field = offsetof(arguments, o.vary), .words = vary_names},
-    {"limits", "LOW:HIGH", "Limits of the factor of each grain (0.5:2; radius: 0.98:1.02)", .parse = set_limits},
+    {"limits", "LOW:HIGH", "Limits of the factor of each grain (0.5:2; radius: 0.98:1.02)", CLI_PAIR,
+     .field = offsetof(arguments, limits), .high = 1e9},
     {"free", NULL, "The total mass, sum of moduli or volume need not be kept", CLI_FLAG,
      .field = offsetof(arguments, o.free)},
     {"packing", "FILE", "Write the packing of these grains, .h5 or .txt", CLI_TEXT,
@@ -175,10 +162,9 @@ static sp_status design(void *user, cli_file *file, sp_table *t, sp_error *err) 
     cli_writer w = {.table = t, .err = err};
     a->o.network = file->scene->network;
     a->o.threads = a->common.threads;
-    if (isnan(a->o.low)) {
-        a->o.low = a->o.vary == SP_DESIGN_RADIUS ? 0.98 : 0.5;
-        a->o.high = a->o.vary == SP_DESIGN_RADIUS ? 1.02 : 2;
-    }
+    const bool given = !isnan(a->limits[0]), radius = a->o.vary == SP_DESIGN_RADIUS;
+    a->o.low = given ? a->limits[0] : radius ? 0.98 : 0.5;
+    a->o.high = given ? a->limits[1] : radius ? 1.02 : 2;
     sp_status status = cli_need_walls(&file->packing, "a front", err);
     if (status == SP_OK)
         status = sp_design_make(&file->packing, &a->o, &d, err);
@@ -198,9 +184,8 @@ static sp_status design(void *user, cli_file *file, sp_table *t, sp_error *err) 
 int cmd_design(int argc, char **argv) {
     static const cli_files command = {
         .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = design};
-    arguments a = {.o = sp_design_options_default()};
+    arguments a = {.o = sp_design_options_default(), .limits = {NAN, NAN}};
     a.o.iterations = 50;
-    a.o.low = a.o.high = NAN; /* they depend on what is varied */
     cli_parse(&syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

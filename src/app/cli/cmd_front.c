@@ -1,14 +1,120 @@
 /* sonopack front: prints arrival, peak and width of the first wave front of packings and of recorded traces. */
 #include "base/base.h"
+#include "base/file.h"
+#include "base/text.h"
 #include "cli/files.h"
-#include "cli/low_box.h"
-#include "cli/trace.h"
 #include "ensemble/sample.h"
+#include "store/packing_text.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+
+typedef struct trace {
+    int64_t n;
+    double *t, *f;           /* one block, t its start */
+    double window;           /* the first front is searched for up to this time; 0: everywhere */
+    const char *length_unit; /* of the height; "": unknown */
+    char t_unit[sizeof((sp_column *)0)->unit], f_unit[sizeof((sp_column *)0)->unit]; /* "": unknown */
+    double height;                                                                   /* of the packing; NAN: unknown */
+} trace;
+
+/* ---- signals ---------------------------------------------------------------------------------------------------- */
+
+/* Whether a file is a packing rather than a table: it is binary, or has the header of a packing. A pipe is taken for a
+ * table, because it cannot be read twice. */
+static sp_status is_packing_file(const char *path, bool *yes, sp_error *err) {
+    struct stat info;
+    char head[8192];
+    *yes = false;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
+        return SP_OK;
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return sp_fail(err, SP_EIO, "cannot open %s: %s", path, strerror(errno));
+    const size_t size = fread(head, 1, sizeof head - 1, file);
+    fclose(file);
+    head[size] = '\0';
+    *yes = strlen(head) < size || sp_packing_text_looks(head);
+    return SP_OK;
+}
+
+/* A positive number in the metadata, 0 without one. */
+static double positive_number(const sp_table *t, const char *key) {
+    double value;
+    return sp_table_get_number(t, key, &value) && value > 0.0 ? value : 0.0;
+}
+
+/* Number of columns F1, F2, ... from column `first' on; 1 if that has another name. */
+static int count_signals(const sp_table *t, int first) {
+    char name[16];
+    int n = 0;
+    do {
+        n++;
+        snprintf(name, sizeof name, "F%d", n);
+    } while (first + n <= t->columns && strcmp(t->column[first + n - 1].name, name) == 0 &&
+             t->column[first + n - 1].kind != SP_COLUMN_TEXT);
+    return n > 1 ? n - 1 : 1;
+}
+
+/* A number of the metadata in our unit: in a table in SI its unit stands behind it. */
+static double own_number(const sp_table *t, const char *key, const char *unit, const sp_material *m) {
+    const char *text = sp_table_get_text(t, key);
+    double value;
+    const bool si = text && m->young > 0 && sp_quantity_read(text, unit, m, &value, NULL) == SP_OK;
+    return si && value > 0.0 ? value : positive_number(t, key);
+}
+
+/* The window of the first front, in the unit of the times. A table of ours in SI says of which material. */
+static void find_window(const sp_table *table, trace *s) {
+    const char *text = sp_table_get_text(table, "material");
+    sp_material m = {0};
+    char si[SP_UNIT_TEXT] = "";
+    double factor = 1.0;
+    s->length_unit = strcmp(s->t_unit, "d/sqrt(E* / rho)") == 0 ? "d" : "";
+    if (text && sp_material_read(text, &m, NULL) == SP_OK)
+        sp_unit_to_si("d/sqrt(E* / rho)", &m, &factor, si, NULL);
+    const bool ours_in_si = si[0] && strcmp(si, s->t_unit) == 0;
+    if (ours_in_si)
+        s->length_unit = "mm";
+    else
+        m = (sp_material){0};
+    const double height = own_number(table, "height", "d", &m), pressure = own_number(table, "pressure", "E*", &m);
+    s->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
+    s->window *= ours_in_si ? factor : 1.0;
+}
+
+/* Reads two columns of a table as times and forces. Free out->t. */
+static sp_status read_trace(const sp_table *table, int time, int force, trace *out, sp_error *err) {
+    const int64_t n = table->rows;
+    double *t = sp_alloc((size_t)n, 2 * sizeof *t);
+    if (!t)
+        return sp_fail_memory(err, (size_t)n * 2 * sizeof *t);
+    for (int64_t k = 0; k < n; k++) {
+        t[k] = sp_table_number(table, k, time);
+        t[n + k] = sp_table_number(table, k, force);
+    }
+    const double height = positive_number(table, "height");
+    *out = (trace){.n = n, .t = t, .f = t + n, .height = height > 0 ? height : NAN};
+    snprintf(out->t_unit, sizeof out->t_unit, "%s", table->column[time].unit);
+    snprintf(out->f_unit, sizeof out->f_unit, "%s", table->column[force].unit);
+    find_window(table, out);
+    return SP_OK;
+}
+
+/* The height in "plane:25:normal"; NAN if the place is not a plane. */
+static double plane_of(const char *place) {
+    char number[100];
+    double height = NAN;
+    if (strncmp(place, "plane:", 6) != 0)
+        return NAN;
+    snprintf(number, sizeof number, "%.*s", (int)strspn(place + 6, "0123456789.eE+-"), place + 6);
+    sp_word_number(number, &height);
+    return height;
+}
 
 /* A number in the unit of a file, which may be that of a laboratory, or a text of a number and its unit. */
 typedef struct measure {
@@ -151,16 +257,18 @@ static sp_status find_columns(const arguments *a, const sp_table *t, const char 
 }
 
 /* How far the detector is from the source, if the table says "F2 = from PLACE to PLACE, ..." of the column; else the
- * packing's. */
+ * packing's height. In a periodic cell by the shorter way. */
 static double distance_of(const sp_table *t, const char *column, double height) {
-    cli_detector detector;
-    if (!cli_find_detector(t, column, &detector))
+    const char *text = sp_table_get_text(t, column), *to = text ? strstr(text, " to ") : NULL;
+    const char *cell = sp_table_get_text(t, "cell");
+    if (!to)
         return height;
-    if (strstr(sp_table_get_text(t, column), "grain:"))
+    if (strstr(text, "grain:"))
         return NAN;
-    return isfinite(height) || isfinite(detector.plane)
-               ? cli_way(t, &detector, isfinite(detector.plane) ? detector.plane : height)
-               : NAN;
+    const double plane = plane_of(to + 4), source = strncmp(text, "from ", 5) == 0 ? plane_of(text + 5) : NAN;
+    const double whole = positive_number(t, "height"),
+                 way = fabs((isfinite(plane) ? plane : height) - (isfinite(source) ? source : 0));
+    return cell && strcmp(cell, "periodic") == 0 && whole > way ? fmin(way, whole - way) : way;
 }
 
 /* The error of a signal by its table: "F2 = ..., error E" of the column, or else "error = E"; 0 if it says nothing. */
@@ -189,8 +297,8 @@ static sp_status check_error(const arguments *a, const char *path, double error,
 
 static sp_status trace_front(const arguments *a, const char *path, const sp_table *t, int time, int force, arrival *out,
                              sp_error *err) {
-    cli_trace s;
-    sp_status status = cli_trace_of(t, time, force, &s, err);
+    trace s;
+    sp_status status = read_trace(t, time, force, &s, err);
     if (status != SP_OK)
         return status;
     sp_front_options rule = sp_front_options_default();
@@ -300,7 +408,7 @@ static sp_status add_front(const arguments *a, const char *name, bool packing, a
 static sp_status add_signals(const arguments *a, cli_file *file, const sp_table *read, sp_table *t, sp_error *err) {
     int time = 0, force = 0;
     sp_status status = find_columns(a, read, file->path, &time, &force, err);
-    const int signals = status == SP_OK && !a->column ? cli_count_signals(read, force) : 1;
+    const int signals = status == SP_OK && !a->column ? count_signals(read, force) : 1;
     const size_t size = strlen(file->path) + 16;
     char *name = sp_alloc(size, 1);
     if (status == SP_OK && !name)
@@ -325,7 +433,7 @@ static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err
     sp_table read = sp_table_none();
     arrival m;
     bool packing = false;
-    sp_status status = cli_is_packing(file->path, &packing, err);
+    sp_status status = is_packing_file(file->path, &packing, err);
     if (status == SP_OK && packing) {
         status = packing_front(a, file, &m, err);
         return status == SP_OK ? add_front(a, file->path, true, &m, t, err) : status;

@@ -1,16 +1,121 @@
 /* sonopack pack: compresses one packing of a scene and saves it. */
 #include "base/base.h"
 #include "base/file.h"
-#include "cli/dry_run.h"
-#include "cli/low_box.h"
-#include "cli/output.h"
-#include "cli/pack_state.h"
+#include "cli/files.h"
 #include "cost/remaining.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+typedef struct pack_state {
+    const cli_common *common;
+    char path[SP_PATH_MAX];   /* "": no state is saved */
+    double every, written_at; /* seconds between two writes, and the clock at the last one */
+    bool due;                 /* the next state is written at once */
+    char *found;              /* the state at the start, which the compression continues; or NULL */
+    size_t found_size;
+    char *last; /* the last state that has not been written */
+    size_t last_size, last_capacity;
+    bool kept; /* the file has a state of this compression */
+} pack_state;
+
+static sp_status find_state(pack_state *s, const sp_pack_spec *spec, sp_error *err) {
+    struct stat info;
+    if (stat(s->path, &info) != 0)
+        return SP_OK;
+    char *data = NULL;
+    size_t size = 0;
+    int64_t steps = 0;
+    sp_error reason = {0};
+    sp_status status = S_ISREG(info.st_mode) ? sp_file_read(s->path, &data, &size, err) : SP_OK;
+    if (status != SP_OK)
+        return status;
+    if (!data || !sp_pack_is_state(data, size)) {
+        sp_free(data);
+        return sp_fail(err, SP_EINVAL,
+                       "%s: the state of the compression belongs in this file, which is something else and is not "
+                       "replaced: choose another name for -o",
+                       s->path);
+    }
+    if (sp_pack_state_check(spec, data, size, &steps, &reason) == SP_OK) {
+        cli_note(s->common, "continues from step %lld, saved in %s", (long long)steps, s->path);
+        s->found = data;
+        s->found_size = size;
+        s->kept = true;
+        return SP_OK;
+    }
+    cli_note(s->common, "%s is not used: %s", s->path, reason.text);
+    sp_free(data);
+    return SP_OK;
+}
+
+/* Looks for the state of an earlier, equal command. */
+static sp_status pack_state_open(const cli_common *common, const sp_pack_spec *spec, double every, pack_state *out,
+                                 sp_error *err) {
+    pack_state s = {.common = common, .every = every, .written_at = sp_clock_wall()};
+    struct stat info;
+    if (stat(common->output, &info) != 0 || S_ISREG(info.st_mode)) { /* not for a device or a pipe */
+        const int length = snprintf(s.path, sizeof s.path, "%s.state", common->output);
+        if (length < 0 || (size_t)length >= sizeof s.path)
+            return sp_fail(err, SP_EINVAL, "-o: the file name has %d bytes, must have fewer than %d", length - 6,
+                           SP_PATH_MAX - 6);
+    }
+    sp_status status = s.path[0] ? find_state(&s, spec, err) : SP_OK;
+    if (status == SP_OK)
+        *out = s;
+    return status;
+}
+
+static sp_status write_now(pack_state *s, const void *state, size_t size, sp_error *err) {
+    sp_status status = sp_file_write(s->path, state, size, err);
+    s->written_at = sp_clock_wall();
+    s->due = false;
+    s->kept = s->kept || status == SP_OK;
+    s->last_size = 0;
+    return status;
+}
+
+/* Takes the present state, and writes it if it is time to. */
+static sp_status pack_state_update(pack_state *s, const void *state, size_t size, sp_error *err) {
+    if (!s->path[0])
+        return SP_OK;
+    if (s->due || sp_clock_wall() - s->written_at >= s->every)
+        return write_now(s, state, size, err);
+    if (size > s->last_capacity) {
+        sp_free(s->last);
+        s->last_capacity = size + size / 4;
+        s->last = sp_alloc(s->last_capacity, 1);
+        if (!s->last) {
+            s->last_capacity = s->last_size = 0;
+            return sp_fail_memory(err, size);
+        }
+    }
+    memcpy(s->last, state, size);
+    s->last_size = size;
+    return SP_OK;
+}
+
+/* Whether the compression can be stopped without loss: a state can be written, or none is to be saved. */
+static bool pack_state_is_safe(const pack_state *s) { return !s->path[0] || s->kept || s->last_size > 0; }
+
+/* Writes the last state after the compression was stopped. */
+static sp_status pack_state_flush(pack_state *s, sp_error *err) {
+    return s->last_size > 0 ? write_now(s, s->last, s->last_size, err) : SP_OK;
+}
+
+static void pack_state_remove(pack_state *s) {
+    if (s->path[0])
+        unlink(s->path);
+}
+
+static void pack_state_free(pack_state *s) {
+    sp_free(s->found);
+    sp_free(s->last);
+    *s = (pack_state){0};
+}
 
 /* What of LAMMPS the command line gives; the package's program reads it (python/sonopack/formats/engine.py). */
 typedef struct pack_engine {
@@ -195,8 +300,6 @@ static sp_status may_write_stages(const compression *c, sp_error *err) {
 
 /* Prints the summary on stdout: -o is the file of the packing. */
 static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_packing *p, sp_error *err) {
-    cli_common print = a->common;
-    print.output = NULL;
     sp_table t = sp_table_none();
     sp_statics statics;
     int32_t rattlers = 0;
@@ -215,7 +318,7 @@ static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_p
         w.status = sp_table_add_row(&t, err, (int64_t)p->n, sp_packing_height(p), p->pressure, statics.zs,
                                     (int64_t)rattlers, p->residual, p->steps, p->seconds);
     if (w.status == SP_OK)
-        w.status = cli_write_table(&print, &t, err);
+        w.status = cli_write_table_to(&a->common, NULL, &t, err);
     sp_table_free(&t);
     return w.status;
 }

@@ -21,10 +21,6 @@ typedef struct arguments {
     cli_pulse pulse;
 } arguments;
 
-static sp_status set_pulse(void *user, const char *word, sp_error *err) {
-    return cli_pulse_parse(word, &((arguments *)user)->pulse, err);
-}
-
 /* KIND or KIND:PLACE. */
 static sp_status set_source(void *user, const char *word, sp_error *err) {
     arguments *a = user;
@@ -40,11 +36,7 @@ static sp_status set_source(void *user, const char *word, sp_error *err) {
     if (status != SP_OK)
         return status;
     a->source = source;
-    return word[length] ? cli_places_add(&a->sources, "--source", word + length + 1, err) : SP_OK;
-}
-
-static sp_status add_source(void *user, const char *word, sp_error *err) {
-    return cli_places_add(&((arguments *)user)->sources, "--from", word, err);
+    return word[length] ? cli_places_add(&a->sources, word + length + 1, err) : SP_OK;
 }
 
 static sp_status set_damping(void *scene, const char *word, sp_error *err) {
@@ -57,10 +49,6 @@ static sp_status set_damping(void *scene, const char *word, sp_error *err) {
     return status;
 }
 
-static sp_status add_detector(void *user, const char *word, sp_error *err) {
-    return cli_places_add(&((arguments *)user)->detectors, "--detector", word, err);
-}
-
 static const cli_option options[] = {
     {"until", "T", "Last time [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6), after the first front)", CLI_NUMBER,
      .scene = true, .field = offsetof(sp_scene, signal.until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
@@ -70,7 +58,7 @@ static const cli_option options[] = {
     {"pulse", "PULSE",
      "Strength of the source against time: delta, gauss:WIDTH, ricker:OMEGA, sine:OMEGA:CYCLES, square:WIDTH or "
      "file:PATH (delta)",
-     .parse = set_pulse},
+     .parse = cli_pulse_parse, .field = offsetof(arguments, pulse)},
     {"tolerance", "EPS", "Largest error, relative to the largest |F| (1e-10; dynamics: 1e-3)", CLI_NUMBER,
      .scene = true, .key = "signal.tolerance"},
     {"modes", "K",
@@ -94,8 +82,10 @@ static const cli_option options[] = {
      "What the source imposes on a grain at the bottom wall, in proportion to the stiffness of its contact: impulse, "
      "velocity or displacement (impulse)",
      .parse = set_source, .words = cli_source_names},
-    {"from", "PLACE", "Source at bottom, part:X0:X1, plane:Y or grain:I (bottom); repeatable", .parse = add_source},
-    {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top); repeatable", .parse = add_detector},
+    {"from", "PLACE", "Source at bottom, part:X0:X1, plane:Y or grain:I (bottom); repeatable", .parse = cli_places_add,
+     .field = offsetof(arguments, sources)},
+    {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top); repeatable", .parse = cli_places_add,
+     .field = offsetof(arguments, detectors)},
     {"component", "normal|shear", "Component at every PLACE without :normal or :shear at its end (normal)", CLI_CHOICE,
      .field = offsetof(arguments, component), .words = cli_component_names},
     {"planes", "N", "Detectors at N planes that divide the height into equal layers", CLI_INTEGER,

@@ -1,10 +1,8 @@
 /* sonopack study: computes the samples of an ensemble, keeps them in a store, and prints its tables. */
 #include "base/base.h"
-#include "cli/output.h"
-#include "cli/plan_study.h"
+#include "cli/dry_run.h"
 #include "cli/ranks.h"
 #include "cli/tables.h"
-#include "cli/verify.h"
 #include "cost/remaining.h"
 #include "ensemble/sample.h"
 
@@ -238,7 +236,7 @@ static sp_status plan(arguments *a, sp_scene *scene, sp_packing *from, sp_error 
     status =
         cli_plan_begin(&a->common, 1U << SP_KERNEL_STEP | 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_SPARSE, &plan, err);
     if (status == SP_OK)
-        status = cli_plan_study(&plan, "", scene, &a->study, a->store, err);
+        status = cli_plan_study(&plan, scene, &a->study, a->store, err);
     if (status == SP_OK)
         status = cli_plan_end(&plan);
     cli_plan_free(&plan);

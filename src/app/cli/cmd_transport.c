@@ -29,7 +29,7 @@ typedef struct mean {
 
 typedef struct arguments {
     cli_common common;
-    int quantity, axis;
+    int axis;
     const char *at;
     double width, smear, until;
     int64_t waves, sources, seed;
@@ -45,68 +45,38 @@ static const cli_option options[] = {
      "What to compute: the diffusivity of energy, from its spreading (diffusivity, the default) or from eigenmodes "
      "(kubo), the mean free path of the coherent wave (coherent), the parts of the energy (split), or its flux after a "
      "burst (energy)",
-     CLI_CHOICE, .field = offsetof(arguments, quantity), .words = quantity_names},
+     CLI_CHOICE, .field = offsetof(arguments, common.kind), .words = quantity_names},
     {"at", "W1,W2,...|LOW:HIGH:N",
      "Frequencies (10, from 0.05 to 0.6 of the upper bound of the spectrum of the first packing)", CLI_TEXT,
      .field = offsetof(arguments, at)},
     {"axis", "up|x|y",
      "diffusivity, kubo: the axis along which energy moves, y in 3D only (up; for kubo the mean over the axes without "
      "walls)",
-     CLI_CHOICE, .field = offsetof(arguments, axis), .words = axis_names},
+     CLI_CHOICE, .field = offsetof(arguments, axis), .words = axis_names, .kinds = "diffusivity kubo"},
     {"width", "W", "All but coherent: width of the band about each frequency, over the frequency (0.1)", CLI_NUMBER,
-     .field = offsetof(arguments, width), .low = 0.001, .high = 0.2},
+     .field = offsetof(arguments, width), .low = 0.001, .high = 0.2, .kinds = "diffusivity kubo split energy"},
     {"waves", "N", "diffusivity: how many waves of the energy's density the packing holds (1)", CLI_INTEGER,
-     .field = offsetof(arguments, waves), .low = 1, .high = 1000},
+     .field = offsetof(arguments, waves), .low = 1, .high = 1000, .kinds = "diffusivity"},
     {"sources", "N", "diffusivity, split: number of random motions of each packing (6)", CLI_INTEGER,
-     .field = offsetof(arguments, sources), .low = 2, .high = 1000},
+     .field = offsetof(arguments, sources), .low = 2, .high = 1000, .kinds = "diffusivity split"},
     {"seed", "N", "diffusivity, split: seed of the random motions (1)", CLI_INTEGER, .field = offsetof(arguments, seed),
-     .high = 1e15},
+     .high = 1e15, .kinds = "diffusivity split"},
     {"until", "T",
      "diffusivity, energy: last time [d/sqrt(E* / rho)] (300 periods; energy: the window of `signal' of the first "
      "packing)",
-     CLI_NUMBER, .field = offsetof(arguments, until), .low = 1e-6, .high = 1e12, .unit = "d/sqrt(E* / rho)"},
+     CLI_NUMBER, .field = offsetof(arguments, until), .low = 1e-6, .high = 1e12, .unit = "d/sqrt(E* / rho)",
+     .kinds = "diffusivity energy"},
     {"smear", "W", "kubo: width of the delta function, over the frequency (0.1)", CLI_NUMBER,
-     .field = offsetof(arguments, smear), .low = 0.001, .high = 0.2},
+     .field = offsetof(arguments, smear), .low = 0.001, .high = 0.2, .kinds = "kubo"},
     {"spacing", "D", "coherent: distance between planes [d] (1)", CLI_NUMBER,
-     .field = offsetof(arguments, section.spacing), .low = 0.01, .high = 1e6},
+     .field = offsetof(arguments, section.spacing), .low = 0.01, .high = 1e6, .kinds = "coherent"},
     {"low", "Y", "coherent: height of the lowest plane [d] (4)", CLI_NUMBER, .field = offsetof(arguments, section.low),
-     .high = 1e6},
+     .high = 1e6, .kinds = "coherent"},
     {"part", "F", "coherent: place planes up to this fraction of the height (0.6)", CLI_NUMBER,
-     .field = offsetof(arguments, section.part), .low = 0.01, .high = 1},
+     .field = offsetof(arguments, section.part), .low = 0.01, .high = 1, .kinds = "coherent"},
     {"shear", NULL, "coherent: the transverse wave, from a bottom wall that is moved along x", CLI_FLAG,
-     .field = offsetof(arguments, section.shear)},
+     .field = offsetof(arguments, section.shear), .kinds = "coherent"},
     {0}};
-
-static const cli_syntax syntax;
-
-#define FOR(quantity) (1U << (quantity))
-
-/* An option that would do nothing is a mistake of the user's. */
-static sp_status check(void *user, sp_error *err) {
-    static const struct {
-        const char *name;
-        unsigned used;
-        const char *where;
-    } only[] = {
-        {"width", ~FOR(COHERENT), "all but coherent"},
-        {"waves", FOR(SPREAD), "diffusivity"},
-        {"sources", FOR(SPREAD) | FOR(SPLIT), "diffusivity or split"},
-        {"seed", FOR(SPREAD) | FOR(SPLIT), "diffusivity or split"},
-        {"until", FOR(SPREAD) | FOR(ENERGY), "diffusivity or energy"},
-        {"smear", FOR(KUBO), "kubo"},
-        {"spacing", FOR(COHERENT), "coherent"},
-        {"low", FOR(COHERENT), "coherent"},
-        {"part", FOR(COHERENT), "coherent"},
-        {"shear", FOR(COHERENT), "coherent"},
-    };
-    const arguments *a = user;
-    for (size_t k = 0; k < sizeof only / sizeof *only; k++)
-        if (!(only[k].used & FOR(a->quantity)) && cli_given(&syntax, &a->common, only[k].name))
-            return sp_fail(err, SP_EINVAL, "--%s: only with --quantity=%s", only[k].name, only[k].where);
-    if (a->axis > 0 && a->quantity >= COHERENT)
-        return sp_fail(err, SP_EINVAL, "--axis: only with --quantity=diffusivity or kubo");
-    return SP_OK;
-}
 
 static const cli_syntax syntax = {
     .usage = "FILE...",
@@ -151,7 +121,7 @@ static const cli_syntax syntax = {
     .files_min = 1,
     .files_max = CLI_ANY_NUMBER,
     .springs = true,
-    .check = check};
+    .kinds_by_option = quantity_names};
 
 /* ---- means ------------------------------------------------------------------------------------------------------ */
 
@@ -325,7 +295,7 @@ static sp_status measure_energy(arguments *a, const sp_network *net, sp_error *e
 }
 
 static sp_status measure_packing(arguments *a, const sp_network *net, sp_error *err) {
-    switch (a->quantity) {
+    switch (a->common.kind) {
     case KUBO: return measure_kubo(a, net, err);
     case COHERENT: return measure_coherent(a, net, err);
     case SPLIT: return at_each(a, net, measure_split, err);
@@ -418,20 +388,20 @@ static void add_row(const column *c, const mean *m, int at, double *row, cli_wri
 }
 
 static void print_values(const arguments *a, cli_writer *w) {
-    const column *c = columns[a->quantity];
+    const column *c = columns[a->common.kind];
     double row[2 * VALUES_MAX + 4];
     cli_columns(w, SP_COLUMN_NUMBER, "omega", RATE, NULL);
-    if (a->quantity == ENERGY)
+    if (a->common.kind == ENERGY)
         cli_columns(w, SP_COLUMN_NUMBER, "t", TIME, "plane", "", NULL);
     add_columns(c, w);
     for (int32_t l = 0; l < a->n; l++) {
         row[0] = a->omega[l];
-        for (int k = 0; a->quantity == ENERGY && k < BURST_ROWS; k++) {
+        for (int k = 0; a->common.kind == ENERGY && k < BURST_ROWS; k++) {
             row[1] = burst_time(a, k / PLANES);
             row[2] = (k % PLANES + 1.0) / (PLANES + 1);
             add_row(c, a->mean + ((int64_t)l * BURST_ROWS + k) * BURST_VALUES, 3, row, w);
         }
-        if (a->quantity != ENERGY)
+        if (a->common.kind != ENERGY)
             add_row(c, means_at(a, l), 1, row, w);
     }
 }
@@ -464,14 +434,14 @@ static sp_status add_rows(void *user, sp_table *t, sp_error *err) {
     cli_writer w = {.table = t, .err = err};
     cli_comment(&w, "packings = %d", a->common.files);
     cli_comment(&w, "dimension = %d", a->dim);
-    cli_comment(&w, "quantity = %s", quantity_names[a->quantity]);
-    if (a->quantity == COHERENT)
+    cli_comment(&w, "quantity = %s", quantity_names[a->common.kind]);
+    if (a->common.kind == COHERENT)
         cli_comment(&w, "motion = %s", a->section.shear ? "shear" : "compression");
-    else if (a->quantity <= KUBO)
-        cli_comment(&w, "axis = %s", a->quantity == KUBO && a->axis == 0 ? "mean" : axis_names[a->axis]);
+    else if (a->common.kind <= KUBO)
+        cli_comment(&w, "axis = %s", a->common.kind == KUBO && a->axis == 0 ? "mean" : axis_names[a->axis]);
     for (int32_t k = 0; k < FREQUENCIES_MAX * VALUES_MAX; k++)
         a->mean[k].few = 2 * a->mean[k].n < a->common.files;
-    (a->quantity == COHERENT ? print_coherent : print_values)(a, &w);
+    (a->common.kind == COHERENT ? print_coherent : print_values)(a, &w);
     return w.status;
 }
 

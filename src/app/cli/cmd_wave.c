@@ -17,24 +17,13 @@ typedef struct sums {
 typedef struct arguments {
     cli_common common;
     sp_coherent_section_options section;
+    sp_damping damping;
     const char *at;
     int dim;   /* of the packings so far; 0: none */
     int32_t n; /* frequencies; the first packing decides */
     double *omega;
     sums *sum;
 } arguments;
-
-static sp_status set_damping(void *user, const char *text, sp_error *err) {
-    arguments *a = user;
-    sp_damping law;
-    sp_status status = cli_damping_read(text, 0, 100, &law, err);
-    if (status != SP_OK)
-        return status;
-    a->section.damping = law.value;
-    a->section.damping_kind = law.kind;
-    a->section.damping_ratio = law.ratio;
-    return SP_OK;
-}
 
 static const cli_option options[] = {
     {"at", "W1,W2,...|LOW:HIGH:N",
@@ -46,7 +35,8 @@ static const cli_option options[] = {
      .high = 1e6},
     {"part", "F", "Place planes up to this fraction of the height (0.6)", CLI_NUMBER,
      .field = offsetof(arguments, section.part), .low = 0.01, .high = 1},
-    {"damping", CLI_DAMPING, "Dashpots of the contacts, as in signal (0)", .parse = set_damping},
+    {"damping", CLI_DAMPING, "Dashpots of the contacts, as in signal (0)", CLI_DASHPOTS,
+     .field = offsetof(arguments, damping), .high = 100},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, as in signal (impulse)", CLI_CHOICE,
      .field = offsetof(arguments, section.source), .words = cli_source_names},
     {0}};
@@ -74,6 +64,9 @@ static const cli_syntax syntax = {
 static sp_status begin(void *user, sp_table *t, sp_error *err) {
     arguments *a = user;
     (void)t;
+    a->section.damping = a->damping.value;
+    a->section.damping_kind = a->damping.kind;
+    a->section.damping_ratio = a->damping.ratio;
     a->omega = sp_alloc(FREQUENCIES_MAX, sizeof *a->omega);
     a->sum = sp_alloc(FREQUENCIES_MAX, sizeof *a->sum);
     return a->omega && a->sum ? SP_OK : sp_fail_memory(err, FREQUENCIES_MAX * (sizeof *a->omega + sizeof *a->sum));
@@ -150,9 +143,8 @@ static sp_status add_rows(void *user, sp_table *t, sp_error *err) {
     cli_comment(&w, "packings = %d", a->common.files);
     cli_comment(&w, "dimension = %d", a->dim);
     cli_comment(&w, "source = %s", cli_source_names[a->section.source]);
-    const sp_damping law = {a->section.damping_kind, a->section.damping, a->section.damping_ratio};
-    if (law.value > 0)
-        cli_damping_comment(&w, &law);
+    if (a->damping.value > 0)
+        cli_damping_comment(&w, &a->damping);
     cli_columns(&w, SP_COLUMN_NUMBER, "omega", "sqrt(E* / rho)/d", "k", "1/d", "k_err", "1/d", "speed",
                 "sqrt(E* / rho)", "speed_err", "sqrt(E* / rho)", "alpha", "1/d", "alpha_err", "1/d", "part", "", NULL);
     cli_columns(&w, SP_COLUMN_INTEGER, "samples", "", NULL);
@@ -177,7 +169,7 @@ int cmd_wave(int argc, char **argv) {
                                       .begin = begin,
                                       .add = add_packing,
                                       .end = add_rows};
-    arguments a = {.section = sp_coherent_section_options_default()};
+    arguments a = {.damping = {.ratio = 1}, .section = sp_coherent_section_options_default()};
     cli_parse(&syntax, argc, argv, &a);
     const int status = cli_run_files(&command, &a);
     sp_free(a.omega);

@@ -32,6 +32,13 @@ typedef struct cli_files {
 /* Runs the command on common->file[] and writes the table. Returns the exit status. */
 int cli_run_files(const cli_files *command, void *arguments);
 
+/* Warnings of packings whose results nobody should trust. Before one is made: of a box that will be lower than 6
+ * diameters. Of a packing that is read: of such a box, or of more rattlers than carrying grains. */
+void cli_warn_low_box(const cli_common *common, const sp_pack_spec *spec);
+void cli_warn_packing(const cli_common *common, const char *path, const sp_packing *p, const sp_network *net);
+/* Adds the numbers of zero modes as comments. */
+void cli_zero_modes(cli_writer *w, const sp_zero_modes *z);
+
 /* SP_EREFUSED for a packing in a periodic cell. `what`, such as "a front", begins at a wall. */
 sp_status cli_need_walls(const sp_packing *p, const char *what, sp_error *err);
 

@@ -68,7 +68,7 @@ void cli_note(const cli_common *common, const char *format, ...) {
 }
 
 void cli_debug(const cli_common *common, const char *format, ...) {
-    if (!common->verbose)
+    if (!common->verbose || common->quiet)
         return;
     va_list args;
     va_start(args, format);

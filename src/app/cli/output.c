@@ -1,5 +1,5 @@
 /* Writes tables to stdout or to files, and decides which files may be replaced. */
-#include "cli/output.h"
+#include "cli/cli.h"
 #include "cli/traces.h"
 
 #include "base/base.h"
@@ -23,25 +23,21 @@
 typedef enum file_kind {
     KIND_UNKNOWN,
     KIND_HDF5,
-    KIND_PNG,
-    KIND_PDF,
-    KIND_MARKUP,
     KIND_JSON,
-    KIND_PACKING, /* as text */
+    KIND_PACKING /* as text */,
     KIND_MAT,
     KIND_SAC,
-    KIND_TEXT
+    KIND_TEXT,
+    KIND_OTHER
 } file_kind;
 
 static const struct {
     const char *ending;
     file_kind kind;
-} endings[] = {{".h5", KIND_HDF5},    {".hdf5", KIND_HDF5},   {".png", KIND_PNG},    {".pdf", KIND_PDF},
-               {".svg", KIND_MARKUP}, {".html", KIND_MARKUP}, {".htm", KIND_MARKUP}, {".vtp", KIND_MARKUP},
-               {".json", KIND_JSON},  {".tsv", KIND_TEXT},    {".csv", KIND_TEXT},   {".txt", KIND_PACKING},
-               {".xyz", KIND_TEXT},   {".extxyz", KIND_TEXT}, {".data", KIND_TEXT},  {".lammps", KIND_TEXT},
-               {".dump", KIND_TEXT},  {".pvd", KIND_MARKUP},  {".vtm", KIND_MARKUP}, {".mat", KIND_MAT},
-               {".sac", KIND_SAC},    {".slist", KIND_TEXT}};
+} endings[] = {{".h5", KIND_HDF5},    {".hdf5", KIND_HDF5},   {".json", KIND_JSON}, {".tsv", KIND_TEXT},
+               {".csv", KIND_TEXT},   {".txt", KIND_PACKING}, {".mat", KIND_MAT},   {".sac", KIND_SAC},
+               {".slist", KIND_TEXT}, {".png", KIND_OTHER},   {".pdf", KIND_OTHER}, {".svg", KIND_OTHER},
+               {".html", KIND_OTHER}, {".vtp", KIND_OTHER},   {".xyz", KIND_OTHER}, {".dump", KIND_OTHER}};
 
 static const char *ending_of(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
@@ -67,8 +63,7 @@ static file_kind kind_by_content(const char *head, size_t size) {
     static const struct {
         const char *magic;
         file_kind kind;
-    } magics[] = {
-        {"\211HDF\r\n\032\n", KIND_HDF5}, {"\211PNG\r\n\032\n", KIND_PNG}, {"%PDF-", KIND_PDF}, {"MATLAB 5", KIND_MAT}};
+    } magics[] = {{"\211HDF\r\n\032\n", KIND_HDF5}, {"%PDF-", KIND_OTHER}, {"MATLAB 5", KIND_MAT}};
     for (size_t k = 0; k < sizeof magics / sizeof *magics; k++)
         if (size >= strlen(magics[k].magic) && memcmp(head, magics[k].magic, strlen(magics[k].magic)) == 0)
             return magics[k].kind;
@@ -80,7 +75,7 @@ static file_kind kind_by_content(const char *head, size_t size) {
     while (first < size && isspace((unsigned char)head[first]))
         first++;
     const char c = head[first];
-    return c == '<' ? KIND_MARKUP : c == '{' || c == '[' ? KIND_JSON : KIND_TEXT;
+    return c == '<' ? KIND_OTHER : c == '{' || c == '[' ? KIND_JSON : KIND_TEXT;
 }
 
 /* Checks that an existing file is of the kind that its name says. */
@@ -112,9 +107,8 @@ static sp_status check_hdf5(const char *path, bool modes, sp_error *err) {
                    modes ? "no file of modes" : "a file of modes");
 }
 
-/* as: an ending that says the kind. */
-static sp_status may_write(const cli_common *common, const char *path, const char *as, bool modes, sp_error *err) {
-    file_kind kind = kind_by_ending(as);
+static sp_status may_write(const cli_common *common, const char *path, bool modes, sp_error *err) {
+    file_kind kind = kind_by_ending(path);
     struct stat info;
     if (path[0] == '\0')
         return sp_fail(err, SP_EINVAL, "-o: the file name is empty");
@@ -127,8 +121,7 @@ static sp_status may_write(const cli_common *common, const char *path, const cha
         kind = common->format == SP_JSON ? KIND_JSON : KIND_TEXT;
     if (kind == KIND_UNKNOWN)
         return sp_fail(err, SP_EINVAL,
-                       "%s: unknown ending \"%s\": must be .tsv, .csv or .json for a table, .h5 or .txt for a packing, "
-                       ".svg, .png or .pdf for a figure, .html for a page",
+                       "%s: unknown ending \"%s\": must be .tsv, .csv or .json for a table, .h5 or .txt for a packing",
                        path, ending_of(path));
     if (exists) {
         sp_status status = check_kind(path, kind, err);
@@ -154,17 +147,11 @@ static sp_status may_write(const cli_common *common, const char *path, const cha
 }
 
 sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err) {
-    return may_write(common, path, path, false, err);
-}
-
-sp_status cli_may_write_as(const cli_common *common, const char *path, const char *ending, sp_error *err) {
-    char as[16] = "x"; /* a name, for an ending alone is none */
-    snprintf(as + 1, sizeof as - 1, "%s", ending);
-    return may_write(common, path, as, false, err);
+    return may_write(common, path, false, err);
 }
 
 sp_status cli_may_write_modes(const cli_common *common, const char *path, sp_error *err) {
-    return may_write(common, path, path, true, err);
+    return may_write(common, path, true, err);
 }
 
 sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
@@ -238,6 +225,12 @@ static sp_status write_foreign(const cli_common *common, const sp_table *t, sp_e
             status = cli_may_write(common, name, err);
     }
     return status == SP_OK ? cli_foreign_write(t, common->output, err) : status;
+}
+
+sp_status cli_write_table_to(const cli_common *to, const char *path, sp_table *t, sp_error *err) {
+    cli_common there = *to;
+    there.output = path;
+    return cli_write_table(&there, t, err);
 }
 
 sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) {

@@ -131,19 +131,17 @@ sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err) {
 
 /* Writes table k. c counts the cases that have been written, `of` is the text of this one. */
 static sp_status write_table(const cli_tables *tables, int k, int64_t c, const char *of, sp_table *t, sp_error *err) {
-    cli_common common = *tables->common;
     char path[SP_PATH_MAX];
-    if (!common.output) {
+    if (!tables->common->output) {
         if (k > 0 || c > 0)
             putchar('\n');
-        return cli_write_table(&common, t, err);
+        return cli_write_table(tables->common, t, err);
     }
     sp_status status = path_of(tables, k, c, path, err);
-    common.output = path;
     if (status == SP_OK)
-        status = cli_write_table(&common, t, err);
+        status = cli_write_table_to(tables->common, path, t, err);
     if (status == SP_OK && (tables->count > 1 || *of))
-        cli_note(&common, "table %s%s: %s", tables->name[k], of, path);
+        cli_note(tables->common, "table %s%s: %s", tables->name[k], of, path);
     return status;
 }
 

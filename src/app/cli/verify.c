@@ -1,7 +1,7 @@
 /* Checks the files of a store and prints a table of them. */
-#include "cli/verify.h"
 
 #include "base/base.h"
+#include "cli/tables.h"
 #include "ensemble/sample.h"
 
 #include <math.h>
