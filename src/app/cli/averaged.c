@@ -39,7 +39,7 @@ typedef struct averaging {
     void (*explain)(void *user, const averaged *of, const char *interval, cli_writer *w);
 } averaging;
 
-/* ---- which samples --------------------------------------------------------------------------------------------- */
+/* ---- which samples ----------------------------------------------------------------------------------------------- */
 
 /* Moves the samples that have the array to the front, in their order. */
 static void put_in_front(unsigned part, averaged *a) {
@@ -105,7 +105,7 @@ static void add_left_out(const averaged *a, cli_writer *w) {
     cli_comment(w, "failed = %lld", (long long)a->failed);
 }
 
-/* ---- sums ------------------------------------------------------------------------------------------------------- */
+/* ---- sums -------------------------------------------------------------------------------------------------------- */
 
 static const double memory_max = 48e6; /* of the resamples [bytes] */
 
@@ -159,14 +159,12 @@ static sp_status sum_arrays(const averaging *how, void *user, const averaged *a,
         for (int64_t k = 0; k < a->n && status == SP_OK; k++) {
             sample_array array = {0};
             status = how->read(user, a->sample[k], &array, err);
-            if (status == SP_OK)
-                status = add_array(a, a->sample[k], &array, &p, err);
+            CLI_THEN(status, add_array(a, a->sample[k], &array, &p, err));
         }
         if (status == SP_OK && !sums->interval &&
             !(sums->interval = sp_alloc((size_t)p.intervals, sizeof *sums->interval)))
             status = sp_fail_memory(err, (size_t)p.intervals * sizeof *sums->interval);
-        if (status == SP_OK)
-            status = sp_resampled_intervals(&p.some, sums->interval + p.begin, err);
+        CLI_THEN(status, sp_resampled_intervals(&p.some, sums->interval + p.begin, err));
         p.begin += p.some.numbers;
         sp_resampled_free(&p.some);
     }
@@ -193,10 +191,8 @@ static sp_status average(const averaging *how, void *user, int64_t n, const sp_s
     int32_t intervals = INT32_MAX;
     char rule[80];
     cli_writer w = {.table = &t, .err = err, .status = choose_samples(how, n, samples, &of, err)};
-    if (w.status == SP_OK)
-        w.status = how->begin(user, &of, &intervals, err);
-    if (w.status == SP_OK)
-        w.status = sum_arrays(how, user, &of, level, intervals, &sums, err);
+    CLI_THEN(w.status, how->begin(user, &of, &intervals, err));
+    CLI_THEN(w.status, sum_arrays(how, user, &of, level, intervals, &sums, err));
     if (w.status == SP_OK)
         how->rows(user, &sums, &w);
     add_head(&of, &w);
@@ -213,7 +209,7 @@ static sp_status average(const averaging *how, void *user, int64_t n, const sp_s
     return w.status;
 }
 
-/* ---- the table signal ------------------------------------------------------------------------------------------- */
+/* ---- the table signal -------------------------------------------------------------------------------------------- */
 
 /* What the samples are read with. */
 typedef struct reader {
@@ -288,7 +284,7 @@ sp_status cli_table_signal(sp_store *store, int64_t n, const sp_sample *samples,
     return status;
 }
 
-/* ---- the table spectrum ----------------------------------------------------------------------------------------- */
+/* ---- the table spectrum ------------------------------------------------------------------------------------------ */
 
 #define RATE "sqrt(E* / rho)/d"
 #define TIME "d/sqrt(E* / rho)"

@@ -49,7 +49,7 @@ typedef struct cli_common {
     char **file;
 } cli_common;
 
-/* ---- commands --------------------------------------------------------------------------------------------------- */
+/* ---- commands ---------------------------------------------------------------------------------------------------- */
 
 /* argv[0] is "sonopack NAME". Returns the exit status. */
 typedef int (*cli_command)(int argc, char **argv);
@@ -83,7 +83,7 @@ typedef struct cli_command_row {
 } cli_command_row;
 extern const cli_command_row *cli_commands; /* set by main */
 
-/* ---- options ---------------------------------------------------------------------------------------------------- */
+/* ---- options ----------------------------------------------------------------------------------------------------- */
 
 typedef enum cli_option_kind {
     CLI_PARSED = 0, /* calls parse() with the field */
@@ -170,7 +170,7 @@ sp_status cli_scene_of_sets(cli_common *common, const char *groups, sp_scene *ou
 /* Gives the scene the options that are values of it. */
 sp_status cli_set_scene(cli_common *common, sp_scene *scene, sp_error *err);
 
-/* ---- units (material.c) ----------------------------------------------------------------------------------------- */
+/* ---- units (material.c) ------------------------------------------------------------------------------------------ */
 
 enum { CLI_UNITS_OWN = 0, CLI_UNITS_SI };
 /* Reads --material: E=...,nu=...,rho=...,d=..., whose values may have units. */
@@ -195,7 +195,7 @@ sp_status cli_read_scene(const cli_common *common, const char *path, sp_scene *o
 /* Notes on stderr what is odd about a scene's material. */
 void cli_note_material(const cli_common *common, const sp_scene *scene);
 
-/* ---- messages on stderr ----------------------------------------------------------------------------------------- */
+/* ---- messages on stderr ------------------------------------------------------------------------------------------ */
 
 /* Prints "sonopack: reason". Returns CLI_USAGE for SP_EINVAL, else CLI_FAILED. */
 int cli_fail(const sp_error *err);
@@ -216,7 +216,7 @@ void cli_progress_end(void);
 void cli_watch(const cli_common *common, const char *command);
 void cli_watch_end(void); /* before data are printed, which a pager may show on the same terminal */
 
-/* ---- signals (stop.c) ------------------------------------------------------------------------------------------- */
+/* ---- signals (stop.c) -------------------------------------------------------------------------------------------- */
 
 /* From here on SIGINT, SIGTERM, SIGHUP, SIGXCPU and SIGPIPE end the process as they do by default, but leave no
  * temporary file. SIGXFSZ is ignored: what cannot be written is an error. */
@@ -229,7 +229,7 @@ bool cli_stopped(void);
 /* Call when the stop has been seen, or may take long: only a second signal ends the process from here on. */
 void cli_stop_patiently(void);
 
-/* ---- output ----------------------------------------------------------------------------------------------------- */
+/* ---- output ------------------------------------------------------------------------------------------------------ */
 
 /* Whether a file may be written. An existing file is replaced only with --force, and never by a file of another kind.
  * Call before the computation. */
@@ -264,6 +264,9 @@ typedef struct cli_writer {
     sp_entry cell[CLI_CELLS_MAX];
 } cli_writer;
 
+/* Calls, and keeps the status, unless something has failed before. */
+#define CLI_THEN(status, call) ((void)((status) == SP_OK && ((status) = (call))))
+
 /* Columns of one kind: pairs of name and unit, ended by NULL. */
 void cli_columns(cli_writer *w, sp_column_kind kind, ...) __attribute__((sentinel));
 void cli_comment(cli_writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
@@ -277,5 +280,7 @@ void cli_put(cli_writer *w, double number);
 void cli_put_text(cli_writer *w, const char *text);
 void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbols, const void *of);
 void cli_end_row(cli_writer *w);
+/* A whole row, as sp_table_add_row takes it. Returns the status. */
+sp_status cli_row(cli_writer *w, ...);
 
 #endif

@@ -33,7 +33,7 @@ static void put(cli_writer *w, sp_amplitude_number x) {
     cli_put(w, x.error);
 }
 
-/* ---- fronts ----------------------------------------------------------------------------------------------------- */
+/* ---- fronts ------------------------------------------------------------------------------------------------------ */
 
 static const struct {
     const char *name, *unit, *error; /* the first WITH_ERRORS have one */
@@ -161,7 +161,7 @@ static void mean_rows(const means *m, cli_writer *w) {
     }
 }
 
-/* ---- fronts at planes, and the solitary waves of chains beside them --------------------------------------------- */
+/* ---- fronts at planes, and the solitary waves of chains beside them ---------------------------------------------- */
 
 /* Speeds that a chain of equal balls has for the peak of a front; NAN for other packings. */
 typedef struct expected {
@@ -223,15 +223,14 @@ static void plane_rows(const cli_file *file, const sp_amplitude_options *o, doub
         w->status = sp_fail_memory(w->err, (size_t)planes * (sizeof *height + sizeof *plane));
     for (int32_t b = 0; b < planes && w->status == SP_OK; b++)
         height[b] = sp_packing_height(&file->packing) * (b + 1) / (planes + 1);
-    if (w->status == SP_OK)
-        w->status = sp_amplitude_planes(&file->packing, o, amplitude, planes, height, plane, NULL, w->err);
+    CLI_THEN(w->status, sp_amplitude_planes(&file->packing, o, amplitude, planes, height, plane, NULL, w->err));
     for (int32_t b = 0; b < planes && w->status == SP_OK; b++)
         add_plane(file, amplitude, &plane[b], w);
     sp_free(plane);
     sp_free(height);
 }
 
-/* ---- harmonics of bursts ---------------------------------------------------------------------------------------- */
+/* ---- harmonics of bursts ----------------------------------------------------------------------------------------- */
 
 static void burst_columns(bool planes, cli_writer *w) {
     cli_columns(w, SP_COLUMN_TEXT, "file", "", NULL);
@@ -397,51 +396,45 @@ static const cli_syntax syntax = {
         "\n"
         "Errors (_err) are estimated from steps of twice the length and from every second time; with --mean they are "
         "standard errors over packings, plus the mean of these (nan for one packing).",
-    .finds_material = true,
+    CLI_PACKINGS,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = CLI_ANY_NUMBER,
     .check = check};
 
-static sp_status begin(void *user, sp_table *t, sp_error *err) {
+static sp_status begin(void *user, cli_writer *w) {
     const arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
-    cli_comment(&w, "source = %s", cli_source_names[a->o.source]);
-    cli_value(&w, "tolerance", a->o.tolerance);
+    cli_comment(w, "source = %s", cli_source_names[a->o.source]);
+    cli_value(w, "tolerance", a->o.tolerance);
     if (a->omega > 0)
-        burst_columns(a->planes > 0, &w);
+        burst_columns(a->planes > 0, w);
     else if (a->planes > 0)
-        plane_columns(&w);
+        plane_columns(w);
     else if (!a->mean)
-        front_columns(&w);
-    return w.status;
+        front_columns(w);
+    return w->status;
 }
 
-static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     const int32_t cycles = a->cycles > 0 ? (int32_t)a->cycles : CYCLES, planes = (int32_t)a->planes;
-    cli_writer w = {.table = t, .err = err};
     if (!(a->omega > 0) && planes == 0)
-        w.status = sp_amplitude_pulses(&file->packing, &a->o, a->n, a->amplitude, a->pulse, NULL, err);
-    for (int32_t k = 0; k < a->n && w.status == SP_OK; k++)
+        w->status = sp_amplitude_pulses(&file->packing, &a->o, a->n, a->amplitude, a->pulse, NULL, w->err);
+    for (int32_t k = 0; k < a->n && w->status == SP_OK; k++)
         if (a->omega > 0)
-            burst_rows(file, &a->o, &(sp_amplitude_burst){a->amplitude[k], a->omega, cycles}, planes, &w);
+            burst_rows(file, &a->o, &(sp_amplitude_burst){a->amplitude[k], a->omega, cycles}, planes, w);
         else if (planes > 0)
-            plane_rows(file, &a->o, a->amplitude[k], planes, &w);
+            plane_rows(file, &a->o, a->amplitude[k], planes, w);
         else if (a->mean)
-            w.status = add_to_mean(&a->means, &file->packing, &a->pulse[k], err);
+            w->status = add_to_mean(&a->means, &file->packing, &a->pulse[k], w->err);
         else
-            front_row(file, &a->pulse[k], &w);
-    return w.status;
+            front_row(file, &a->pulse[k], w);
+    return w->status;
 }
 
-static sp_status end(void *user, sp_table *t, sp_error *err) {
+static sp_status end(void *user, cli_writer *w) {
     const arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
     if (a->mean)
-        mean_rows(&a->means, &w);
-    return w.status;
+        mean_rows(&a->means, w);
+    return w->status;
 }
 
 int cmd_amplitude(int argc, char **argv) {

@@ -112,7 +112,7 @@ static const cli_syntax syntax = {
     .kind_name = "kind of table",
     .check = check};
 
-/* ---- lengths ---------------------------------------------------------------------------------------------------- */
+/* ---- lengths ----------------------------------------------------------------------------------------------------- */
 
 /* Reads the integer up to a separator, and moves *text past the separator. */
 static sp_status next_length(const char **text, const char *separators, int64_t *out, sp_error *err) {
@@ -134,8 +134,7 @@ static sp_status read_range(const char *text, int64_t from, int *count, int64_t 
     if (status == SP_OK && to < from)
         status = sp_fail(err, SP_EINVAL, "--grains: from %lld to %lld: TO must not be below FROM", (long long)from,
                          (long long)to);
-    if (status == SP_OK)
-        status = cli_number("--grains, factor", text, 1.001, 1e9, &factor, err);
+    CLI_THEN(status, cli_number("--grains, factor", text, 1.001, 1e9, &factor, err));
     if (status != SP_OK)
         return status;
     int64_t last = 0;
@@ -172,7 +171,7 @@ static sp_status refuse_work(double work, sp_error *err) {
                    ceil(work / work_max * 10));
 }
 
-/* ---- tables ----------------------------------------------------------------------------------------------------- */
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
 
 /* What the fronts of long chains tend to. */
 static void limit_comments(cli_writer *w, const sp_chain_limit *limit, const units *u) {
@@ -188,8 +187,7 @@ static void limit_comments(cli_writer *w, const sp_chain_limit *limit, const uni
 static sp_status front_row(const arguments *a, const units *u, int64_t grains, sp_table *t, sp_error *err) {
     sp_front one, two;
     sp_status status = sp_chain_front(grains, (sp_chain_source)a->initial, &one, err);
-    if (status == SP_OK)
-        status = sp_chain_front(2 * grains, (sp_chain_source)a->initial, &two, err);
+    CLI_THEN(status, sp_chain_front(2 * grains, (sp_chain_source)a->initial, &two, err));
     if (status != SP_OK)
         return status;
     const double width_peak = one.t_zero - one.t_peak;
@@ -207,8 +205,7 @@ static sp_status front_table(const arguments *a, const units *u, cli_writer *w) 
     w->status = read_lengths(a->grains ? a->grains : "10:1000000:2", &count, length, w->err);
     for (int k = 0; k < count && w->status == SP_OK; k++)
         work += 3 * 48.0 * (double)length[k];
-    if (w->status == SP_OK)
-        w->status = refuse_work(work, w->err);
+    CLI_THEN(w->status, refuse_work(work, w->err));
     cli_comment(w, "errors: 1e-11 of a time; amplitude and widths 1e-14 (1 + N^(2/3)) in units of K l and l/c");
     limit_comments(w, &limit, u);
     cli_columns(w, SP_COLUMN_INTEGER, "grains", "", NULL);
@@ -237,10 +234,9 @@ static sp_status signal_rows(const arguments *a, const units *u, const sp_chain 
     for (size_t l = 0; l < n; l++)
         time[l] = from + (until - from) * ((double)l / (double)(n - 1));
     w->status = sp_chain_walls_signal(chain, a->points, time, f, w->err);
-    if (w->status == SP_OK)
-        w->status = sp_chain_airy(chain->grains, chain->source, a->points, time, airy, w->err);
+    CLI_THEN(w->status, sp_chain_airy(chain->grains, chain->source, a->points, time, airy, w->err));
     for (size_t l = 0; l < n && w->status == SP_OK; l++)
-        w->status = sp_table_add_row(w->table, w->err, time[l] * u->time, f[l] * u->force, airy[l] * u->force);
+        cli_row(w, time[l] * u->time, f[l] * u->force, airy[l] * u->force);
     sp_free(time);
     return w->status;
 }
@@ -274,8 +270,7 @@ static sp_status modes_table(const arguments *a, cli_writer *w) {
     cli_columns(w, SP_COLUMN_NUMBER, "omega", "c/l", "a", "l", "b", "K", NULL);
     for (int64_t n = 1; n <= grains && w->status == SP_OK; n++) {
         const double b = 0.5 * ((double)grains + 1) * sp_chain_amplitude(grains, n, SP_CHAIN_DISPLACEMENT);
-        w->status = sp_table_add_row(w->table, w->err, n, sp_chain_omega(grains, n),
-                                     sp_chain_amplitude(grains, n, source), n % 2 ? b : -b);
+        cli_row(w, n, sp_chain_omega(grains, n), sp_chain_amplitude(grains, n, source), n % 2 ? b : -b);
     }
     return w->status;
 }
@@ -283,10 +278,8 @@ static sp_status modes_table(const arguments *a, cli_writer *w) {
 static void soliton_row(double peak, cli_writer *w) {
     sp_solitary s;
     w->status = sp_solitary_make(peak, &s, w->err);
-    if (w->status == SP_OK)
-        w->status =
-            sp_table_add_row(w->table, w->err, s.peak, s.force, s.speed, s.kdv, s.nesterenko, s.velocity, s.width,
-                             s.kdv_width, s.speed_at_peak, s.nesterenko_at_peak, s.velocity_at_peak, s.error);
+    cli_row(w, s.peak, s.force, s.speed, s.kdv, s.nesterenko, s.velocity, s.width, s.kdv_width, s.speed_at_peak,
+            s.nesterenko_at_peak, s.velocity_at_peak, s.error);
 }
 
 static sp_status soliton_table(const arguments *a, cli_writer *w) {
@@ -320,10 +313,9 @@ static void localisation_rows(const arguments *a, int64_t grains, int32_t n, con
         w->status = sp_localisation_chain(grains, mass, spring, omega[l], &r, w->err);
         const bool seen = w->status == SP_OK && r.gamma > 2 * r.gamma_err;
         const double length = seen ? 1 / r.gamma : NAN;
-        if (w->status == SP_OK)
-            w->status = sp_table_add_row(w->table, w->err, omega[l], r.gamma, r.gamma_err, length,
-                                         length * length * r.gamma_err, 1 / (fmax(0, r.gamma) + 2 * r.gamma_err),
-                                         sp_localisation_law(omega[l], 1, a->disorder * a->disorder, 1));
+        cli_row(w, omega[l], r.gamma, r.gamma_err, length, length * length * r.gamma_err,
+                1 / (fmax(0, r.gamma) + 2 * r.gamma_err),
+                sp_localisation_law(omega[l], 1, a->disorder * a->disorder, 1));
     }
 }
 
@@ -333,8 +325,7 @@ static sp_status localisation_table(const arguments *a, cli_writer *w) {
     int64_t grains = 1000000;
     if (a->grains)
         w->status = cli_integer("--grains", a->grains, 1000, RANDOM_MAX, &grains, w->err);
-    if (w->status == SP_OK)
-        w->status = cli_frequencies(a->at ? a->at : "0.1:1.9:19", LENGTHS_MAX, &n, omega, w->err);
+    CLI_THEN(w->status, cli_frequencies(a->at ? a->at : "0.1:1.9:19", LENGTHS_MAX, &n, omega, w->err));
     if (w->status != SP_OK)
         return w->status;
     double *mass = sp_alloc(2 * (size_t)grains + 1, sizeof *mass);
@@ -365,12 +356,11 @@ static sp_status work(const arguments *a, sp_table *t, sp_error *err) {
                     a->initial == SP_CHAIN_VELOCITY ? "A: velocity" : "B: displacement");
     if (!isnan(a->pressure))
         cli_value(&w, "pressure", a->pressure);
-    if (w.status == SP_OK)
-        w.status = a->common.kind == KIND_FRONT          ? front_table(a, &u, &w)
-                   : a->common.kind == KIND_SIGNAL       ? signal_table(a, &u, &w)
-                   : a->common.kind == KIND_SOLITON      ? soliton_table(a, &w)
-                   : a->common.kind == KIND_LOCALISATION ? localisation_table(a, &w)
-                                                         : modes_table(a, &w);
+    CLI_THEN(w.status, a->common.kind == KIND_FRONT          ? front_table(a, &u, &w)
+                       : a->common.kind == KIND_SIGNAL       ? signal_table(a, &u, &w)
+                       : a->common.kind == KIND_SOLITON      ? soliton_table(a, &w)
+                       : a->common.kind == KIND_LOCALISATION ? localisation_table(a, &w)
+                                                             : modes_table(a, &w));
     return w.status == SP_OK ? cli_write_table(&a->common, t, err) : w.status;
 }
 

@@ -36,19 +36,18 @@ static const cli_syntax syntax = {
     .files_min = 1,
     .files_max = CLI_ANY_NUMBER};
 
-static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
-    cli_writer w = {.table = t, .err = err};
+static sp_status add_columns(void *user, cli_writer *w) {
     (void)user;
-    cli_columns(&w, SP_COLUMN_TEXT, "file", "", "ok", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "residual", "", NULL);
-    cli_columns(&w, SP_COLUMN_TEXT, "reason", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "force", "", "torque", "", "walls", "", "law", "", "geometry", "", "coulomb", "",
+    cli_columns(w, SP_COLUMN_TEXT, "file", "", "ok", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "residual", "", NULL);
+    cli_columns(w, SP_COLUMN_TEXT, "reason", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "force", "", "torque", "", "walls", "", "law", "", "geometry", "", "coulomb", "",
                 "missing", "", NULL);
-    return w.status;
+    return w->status;
 }
 
 /* A file that cannot be read has a row as well. */
-static sp_status check_file(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status check_file(void *user, cli_file *file, cli_writer *w) {
     const arguments *a = user;
     const char *path = file->path;
     sp_packing p = sp_packing_none();
@@ -57,8 +56,7 @@ static sp_status check_file(void *user, cli_file *file, sp_table *t, sp_error *e
     char reason[SP_ERROR_TEXT] = "";
     double residual = NAN;
     sp_status status = sp_packing_read(path, &p, &fault);
-    if (status == SP_OK)
-        status = sp_packing_audit(&p, file->scene->network.threshold, &audit, &fault);
+    CLI_THEN(status, sp_packing_audit(&p, file->scene->network.threshold, &audit, &fault));
     if (status == SP_OK)
         residual = sp_audit_worst(&audit, a->tolerance, reason, sizeof reason);
     if (status == SP_OK && !*reason)
@@ -72,10 +70,9 @@ static sp_status check_file(void *user, cli_file *file, sp_table *t, sp_error *e
         cli_fail(&fault);
     }
     sp_packing_free(&p);
-    return sp_table_add_row(t, err, path, file->failed ? "no" : "yes", residual, file->failed ? reason : "-",
-                            audit.force_residual, audit.torque_residual, audit.wall_residual, audit.law_residual,
-                            audit.geometry_residual, audit.coulomb_excess,
-                            isnan(audit.law_residual) ? NAN : (double)audit.missing);
+    return cli_row(w, path, file->failed ? "no" : "yes", residual, file->failed ? reason : "-", audit.force_residual,
+                   audit.torque_residual, audit.wall_residual, audit.law_residual, audit.geometry_residual,
+                   audit.coulomb_excess, isnan(audit.law_residual) ? NAN : (double)audit.missing);
 }
 
 int cmd_check(int argc, char **argv) {

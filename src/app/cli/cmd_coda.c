@@ -88,11 +88,8 @@ static const cli_syntax syntax = {
         "there is a row for each of several grains: where it was found, at which distance d, with which probability; "
         "rank: how many grains are as probable as the right one or more. The comments found and distance are the "
         "fraction that was found exactly and the mean distance.",
-    .finds_material = true,
+    CLI_ONE_PACKING,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = 1,
     .springs = true,
     .check = check};
 
@@ -121,7 +118,7 @@ static sp_status alloc_signals(signals *s, sp_error *err) {
     return s->t && s->before && s->change && s->base ? SP_OK : sp_fail_memory(err, 4 * values * sizeof *s->before);
 }
 
-/* ---- measured signals ------------------------------------------------------------------------------------------- */
+/* ---- measured signals -------------------------------------------------------------------------------------------- */
 
 static sp_status find_columns(const sp_table *t, const char *path, int32_t pairs, int *time, int *force,
                               sp_error *err) {
@@ -188,21 +185,16 @@ static sp_status read_signals(const arguments *a, signals *s, sp_error *err) {
     sp_table before = sp_table_none(), after = sp_table_none();
     int time = 0, force = 0, time_after = 0, force_after = 0;
     sp_status status = sp_table_read(a->before, &before, err);
-    if (status == SP_OK)
-        status = sp_table_read(a->after, &after, err);
-    if (status == SP_OK)
-        status = find_columns(&before, a->before, s->pairs, &time, &force, err);
-    if (status == SP_OK)
-        status = find_columns(&after, a->after, s->pairs, &time_after, &force_after, err);
-    if (status == SP_OK)
-        status = same_times(&before, &after, time, time_after, a->after, err);
+    CLI_THEN(status, sp_table_read(a->after, &after, err));
+    CLI_THEN(status, find_columns(&before, a->before, s->pairs, &time, &force, err));
+    CLI_THEN(status, find_columns(&after, a->after, s->pairs, &time_after, &force_after, err));
+    CLI_THEN(status, same_times(&before, &after, time, time_after, a->after, err));
     if (status == SP_OK) {
         const int32_t first = first_row(&before, time, a->window[0], a->window[1], &s->times);
         if (s->times < 10)
             status = sp_fail(err, SP_EINVAL, "%s: has %d rows in the window %g:%g, must have at least 10", a->before,
                              s->times, a->window[0], a->window[1]);
-        if (status == SP_OK)
-            status = alloc_signals(s, err);
+        CLI_THEN(status, alloc_signals(s, err));
         if (status == SP_OK) {
             copy_columns(&before, first, time, force, s, false);
             copy_columns(&after, first, time_after, force_after, s, true);
@@ -213,7 +205,7 @@ static sp_status read_signals(const arguments *a, signals *s, sp_error *err) {
     return status;
 }
 
-/* ---- computed signals ------------------------------------------------------------------------------------------- */
+/* ---- computed signals -------------------------------------------------------------------------------------------- */
 
 static double root_mean_square(const signals *s) {
     const int64_t values = (int64_t)s->pairs * s->times;
@@ -232,7 +224,7 @@ static sp_status change_grain(const arguments *a, const sp_network *net, const s
     return status;
 }
 
-/* ---- the tables ------------------------------------------------------------------------------------------------- */
+/* ---- the tables -------------------------------------------------------------------------------------------------- */
 
 static double distance(const sp_packing *p, int32_t i, int32_t j) {
     double d[3];
@@ -243,14 +235,13 @@ static double distance(const sp_packing *p, int32_t i, int32_t j) {
 }
 
 static sp_status add_candidates(const arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
-                                signals *s, sp_coda_candidate *found, sp_table *t, sp_error *err) {
+                                signals *s, sp_coda_candidate *found, cli_writer *w) {
     sp_status status = SP_OK;
     for (int32_t k = 0; k < c->n && k < a->rows && status == SP_OK; k++) {
         const double *x = file->packing.x + 3 * (size_t)found[k].grain;
-        status = sp_coda_first_order(&file->network, o, c, s->base, &found[k], err);
-        if (status == SP_OK)
-            status = sp_table_add_row(t, err, (int64_t)found[k].grain, x[0], x[1], x[2], found[k].probability,
-                                      found[k].change, found[k].error, found[k].misfit);
+        status = sp_coda_first_order(&file->network, o, c, s->base, &found[k], w->err);
+        CLI_THEN(status, cli_row(w, (int64_t)found[k].grain, x[0], x[1], x[2], found[k].probability, found[k].change,
+                                 found[k].error, found[k].misfit));
     }
     return status;
 }
@@ -268,14 +259,14 @@ typedef struct tally {
 } tally;
 
 static sp_status add_trial(const sp_packing *p, const sp_coda *c, const sp_coda_candidate *found, int32_t grain,
-                           tally *sum, sp_table *t, sp_error *err) {
+                           tally *sum, cli_writer *w) {
     const double away = distance(p, grain, found[0].grain);
     sum->n++;
     sum->distance += away;
     sum->square += away * away;
     sum->hits += found[0].grain == grain;
-    return sp_table_add_row(t, err, (int64_t)grain, (int64_t)found[0].grain, rank_of(c, found, grain), away,
-                            found[0].probability, found[0].change, found[0].error, found[0].misfit);
+    return cli_row(w, (int64_t)grain, (int64_t)found[0].grain, rank_of(c, found, grain), away, found[0].probability,
+                   found[0].change, found[0].error, found[0].misfit);
 }
 
 static void add_tally(const arguments *a, const tally *s, cli_writer *w) {
@@ -289,50 +280,44 @@ static void add_tally(const arguments *a, const tally *s, cli_writer *w) {
 }
 
 static sp_status search_trials(const arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
-                               signals *s, sp_coda_candidate *found, sp_table *t, sp_error *err) {
+                               signals *s, sp_coda_candidate *found, cli_writer *w) {
     sp_random random = sp_random_make((uint64_t)a->seed, SP_STREAM_TRIALS);
-    cli_writer w = {.table = t, .err = err};
     tally sum = {0};
     sp_status status = SP_OK;
     for (int64_t k = 0; k < a->trials && status == SP_OK; k++) {
         const int32_t grain = c->grain[sp_random_below(&random, (uint64_t)c->n)];
-        status = change_grain(a, &file->network, o, grain, &random, s, err);
-        if (status == SP_OK)
-            status = sp_coda_locate(c, s->change, s->noise, found, err);
-        if (status == SP_OK)
-            status = sp_coda_first_order(&file->network, o, c, s->base, &found[0], err);
-        if (status == SP_OK)
-            status = add_trial(&file->packing, c, found, grain, &sum, t, err);
+        status = change_grain(a, &file->network, o, grain, &random, s, w->err);
+        CLI_THEN(status, sp_coda_locate(c, s->change, s->noise, found, w->err));
+        CLI_THEN(status, sp_coda_first_order(&file->network, o, c, s->base, &found[0], w->err));
+        CLI_THEN(status, add_trial(&file->packing, c, found, grain, &sum, w));
     }
     if (status == SP_OK)
-        add_tally(a, &sum, &w);
-    return status == SP_OK ? w.status : status;
+        add_tally(a, &sum, w);
+    return status == SP_OK ? w->status : status;
 }
 
 static sp_status search_one(const arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
-                            signals *s, sp_coda_candidate *found, sp_table *t, sp_error *err) {
+                            signals *s, sp_coda_candidate *found, cli_writer *w) {
     sp_random random = sp_random_make((uint64_t)a->seed, SP_STREAM_TRIALS);
-    cli_writer w = {.table = t, .err = err};
     double stretch, error;
     sp_status status = SP_OK;
     if (a->grain >= 0)
-        status = change_grain(a, &file->network, o, (int32_t)a->grain, &random, s, err);
-    if (status == SP_OK)
-        status = sp_coda_locate(c, s->change, s->noise, found, err);
+        status = change_grain(a, &file->network, o, (int32_t)a->grain, &random, s, w->err);
+    CLI_THEN(status, sp_coda_locate(c, s->change, s->noise, found, w->err));
     if (status != SP_OK)
         return status;
     sp_coda_stretch(s->times, s->t, s->before, s->change, &stretch, &error);
-    cli_value(&w, "stretch", stretch); /* of the first signal */
-    cli_value(&w, "stretch_err", error);
+    cli_value(w, "stretch", stretch); /* of the first signal */
+    cli_value(w, "stretch_err", error);
     if (a->grain >= 0) {
-        cli_value(&w, "change", a->change);
-        cli_comment(&w, "grain = %lld", (long long)a->grain);
-        cli_value(&w, "distance", distance(&file->packing, (int32_t)a->grain, found[0].grain));
+        cli_value(w, "change", a->change);
+        cli_comment(w, "grain = %lld", (long long)a->grain);
+        cli_value(w, "distance", distance(&file->packing, (int32_t)a->grain, found[0].grain));
     }
-    return w.status == SP_OK ? add_candidates(a, file, c, o, s, found, t, err) : w.status;
+    return w->status == SP_OK ? add_candidates(a, file, c, o, s, found, w) : w->status;
 }
 
-/* ---- all of it -------------------------------------------------------------------------------------------------- */
+/* ---- all of it --------------------------------------------------------------------------------------------------- */
 
 static sp_status prepare(arguments *a, const cli_file *file, signals *s, sp_coda_options *o, sp_error *err) {
     const double usual = sp_signal_window(sp_packing_height(&file->packing), file->packing.pressure);
@@ -371,45 +356,40 @@ static void describe(const arguments *a, const cli_file *file, const sp_coda *c,
         cli_value(w, "noise", a->noise);
 }
 
-static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     signals s = {0};
     sp_coda c = sp_coda_none();
     sp_coda_options o;
     sp_coda_candidate *found = NULL;
-    cli_writer w = {.table = t, .err = err};
-    sp_status status = prepare(a, file, &s, &o, err);
-    if (status == SP_OK)
-        status = sp_coda_make(&file->network, &o, &c, err);
+    sp_status status = prepare(a, file, &s, &o, w->err);
+    CLI_THEN(status, sp_coda_make(&file->network, &o, &c, w->err));
     if (status == SP_OK) {
         found = sp_alloc((size_t)c.n, sizeof *found);
         s.noise = sqrt(2) * a->noise * root_mean_square(&s);
-        status = sp_coda_signal(&file->network, &o, -1, 0, s.base, err);
-        describe(a, file, &c, &w);
-        if (status == SP_OK)
-            status = found ? w.status : sp_fail_memory(err, (size_t)c.n * sizeof *found);
+        status = sp_coda_signal(&file->network, &o, -1, 0, s.base, w->err);
+        describe(a, file, &c, w);
+        CLI_THEN(status, found ? w->status : sp_fail_memory(w->err, (size_t)c.n * sizeof *found));
     }
-    if (status == SP_OK)
-        status = (a->trials > 0 ? search_trials : search_one)(a, file, &c, &o, &s, found, t, err);
+    CLI_THEN(status, (a->trials > 0 ? search_trials : search_one)(a, file, &c, &o, &s, found, w));
     sp_free(found);
     sp_coda_free(&c);
     free_signals(&s);
     return status;
 }
 
-static sp_status begin(void *user, sp_table *t, sp_error *err) {
+static sp_status begin(void *user, cli_writer *w) {
     const arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
     if (a->trials > 0) {
-        cli_columns(&w, SP_COLUMN_INTEGER, "grain", "", "found", "", "rank", "", NULL);
-        cli_columns(&w, SP_COLUMN_NUMBER, "distance", "d", "probability", "", "change", "", "change_err", "", "misfit",
+        cli_columns(w, SP_COLUMN_INTEGER, "grain", "", "found", "", "rank", "", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, "distance", "d", "probability", "", "change", "", "change_err", "", "misfit",
                     "", NULL);
-        return w.status;
+        return w->status;
     }
-    cli_columns(&w, SP_COLUMN_INTEGER, "grain", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "probability", "", "change", "", "change_err", "",
+    cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "probability", "", "change", "", "change_err", "",
                 "misfit", "", NULL);
-    return w.status;
+    return w->status;
 }
 
 int cmd_coda(int argc, char **argv) {

@@ -69,11 +69,9 @@ static sp_status compute(arguments *a, sp_scene *scene, sp_table *t, sp_error *e
 
 static sp_status work(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
     sp_status status = cli_may_write_table(&a->common, err);
-    if (status == SP_OK)
-        status = sp_scene_read_tapped(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets, a->common.set,
-                                      scene, err);
-    if (status == SP_OK)
-        status = compute(a, scene, t, err);
+    CLI_THEN(status, sp_scene_read_tapped(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets, a->common.set,
+                                          scene, err));
+    CLI_THEN(status, compute(a, scene, t, err));
     if (status == SP_OK)
         warn(a, t);
     return status == SP_OK ? cli_write_table(&a->common, t, err) : status;

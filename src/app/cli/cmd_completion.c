@@ -77,7 +77,7 @@ static const char *const scripts[] = {
     "complete -c sonopack -e\n"
     "complete -c sonopack -f -a '(__sonopack_words)'\n"};
 
-/* ---- words ------------------------------------------------------------------------------------------------------ */
+/* ---- words ------------------------------------------------------------------------------------------------------- */
 
 /* What stands before each word that is offered: "--method=". The shell leaves out what does not begin like the word
  * that is being written. */
@@ -139,7 +139,7 @@ static void put_argument(const offer *o, const cli_option *option, const char *c
         puts(":files");
 }
 
-/* ---- one command line ------------------------------------------------------------------------------------------- */
+/* ---- one command line -------------------------------------------------------------------------------------------- */
 
 /* The option that a word names, up to `length'; NULL: none that has an argument. */
 static const cli_option *option_of(const cli_syntax *s, const char *word, size_t length) {
@@ -233,7 +233,7 @@ static int print_words(int count, char **word) {
     return CLI_OK;
 }
 
-/* ---- the command ------------------------------------------------------------------------------------------------ */
+/* ---- the command ------------------------------------------------------------------------------------------------- */
 
 typedef struct arguments {
     cli_common common;

@@ -90,49 +90,45 @@ static const cli_syntax syntax = {
         "the first gradient promises for the best factors within the limits (linear_predicted_ratio), and the one that "
         "these factors really have (linear_ratio). effective: number of grains that share the first gradient. The "
         "result is a local optimum; others may be better.",
-    .finds_material = true,
+    CLI_ONE_PACKING,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = 1,
     .springs = true,
     .check = check};
 
 static bool is_band(const arguments *a) { return a->o.goal == SP_DESIGN_BAND; }
 
-static sp_status begin(void *user, sp_table *t, sp_error *err) {
+static sp_status begin(void *user, cli_writer *w) {
     const arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
     if (a->packing) {
         const bool text = cli_has_ending(a->packing, ".txt");
         if (!text && !cli_is_hdf5(a->packing))
-            return sp_fail(err, SP_EINVAL, "--packing %.200s: must end in .h5 or .txt", a->packing);
-        sp_status status = cli_may_write(&a->common, a->packing, err);
+            return sp_fail(w->err, SP_EINVAL, "--packing %.200s: must end in .h5 or .txt", a->packing);
+        sp_status status = cli_may_write(&a->common, a->packing, w->err);
         if (status != SP_OK)
             return status;
     }
     if (a->rows == ROWS_GRAINS) {
-        cli_columns(&w, SP_COLUMN_INTEGER, "grain", "", NULL);
-        cli_columns(&w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "r", "d", "factor", "", NULL);
-        return w.status;
+        cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "r", "d", "factor", "", NULL);
+        return w->status;
     }
     const char *const name = is_band(a) ? "energy" : "t10", *const unit = is_band(a) ? "" : "d/sqrt(E* / rho)";
-    cli_columns(&w, SP_COLUMN_INTEGER, "step", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, name, unit, is_band(a) ? "energy_err" : "t10_err", unit, "predicted", unit, NULL);
-    cli_columns(&w, SP_COLUMN_INTEGER, "at_limit", "", NULL);
-    return w.status;
+    cli_columns(w, SP_COLUMN_INTEGER, "step", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, name, unit, is_band(a) ? "energy_err" : "t10_err", unit, "predicted", unit, NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "at_limit", "", NULL);
+    return w->status;
 }
 
-static sp_status add_rows(const arguments *a, const sp_design *d, sp_table *t, sp_error *err) {
+static sp_status add_rows(const arguments *a, const sp_design *d, cli_writer *w) {
     const sp_packing *p = &d->packing;
     sp_status status = SP_OK;
     for (int32_t i = 0; i < d->n && a->rows == ROWS_GRAINS && status == SP_OK; i++) {
         const double *x = p->x + 3 * (size_t)i;
-        status = sp_table_add_row(t, err, (int64_t)i, x[0], x[1], x[2], p->r[i], d->factor[i]);
+        status = cli_row(w, (int64_t)i, x[0], x[1], x[2], p->r[i], d->factor[i]);
     }
     for (int32_t k = 0; k < d->steps && a->rows == ROWS_STEPS && status == SP_OK; k++) {
         const sp_design_step *s = &d->step[k];
-        status = sp_table_add_row(t, err, (int64_t)k, s->value, s->error, s->predicted, s->bound);
+        status = cli_row(w, (int64_t)k, s->value, s->error, s->predicted, s->bound);
     }
     return status;
 }
@@ -156,27 +152,24 @@ static void add_comments(const arguments *a, const cli_file *file, const sp_desi
     cli_comment(w, "linear_ratio = %.6g", d->linear / first->value);
 }
 
-static sp_status design(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status design(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     sp_design d = sp_design_none();
-    cli_writer w = {.table = t, .err = err};
     a->o.network = file->scene->network;
     a->o.threads = a->common.threads;
     const bool given = !isnan(a->limits[0]), radius = a->o.vary == SP_DESIGN_RADIUS;
     a->o.low = given ? a->limits[0] : radius ? 0.98 : 0.5;
     a->o.high = given ? a->limits[1] : radius ? 1.02 : 2;
-    sp_status status = cli_need_walls(&file->packing, "a front", err);
-    if (status == SP_OK)
-        status = sp_design_make(&file->packing, &a->o, &d, err);
+    sp_status status = cli_need_walls(&file->packing, "a front", w->err);
+    CLI_THEN(status, sp_design_make(&file->packing, &a->o, &d, w->err));
     if (status == SP_OK) {
-        add_comments(a, file, &d, &w);
-        status = w.status;
+        add_comments(a, file, &d, w);
+        status = w->status;
     }
-    if (status == SP_OK)
-        status = add_rows(a, &d, t, err);
+    CLI_THEN(status, add_rows(a, &d, w));
     if (status == SP_OK && a->packing)
-        status = cli_has_ending(a->packing, ".txt") ? sp_packing_save_text(&d.packing, a->packing, err)
-                                                    : sp_packing_save(&d.packing, a->packing, err);
+        status = cli_has_ending(a->packing, ".txt") ? sp_packing_save_text(&d.packing, a->packing, w->err)
+                                                    : sp_packing_save(&d.packing, a->packing, w->err);
     sp_design_free(&d);
     return status;
 }

@@ -22,7 +22,7 @@ typedef struct trace {
     double height;                                                                   /* of the packing; NAN: unknown */
 } trace;
 
-/* ---- signals ---------------------------------------------------------------------------------------------------- */
+/* ---- signals ----------------------------------------------------------------------------------------------------- */
 
 /* Whether a file is a packing rather than a table: it is binary, or has the header of a packing. A pipe is taken for a
  * table, because it cannot be read twice. */
@@ -199,14 +199,13 @@ typedef struct arrival {
     char length[sizeof((sp_column *)0)->unit], time[sizeof((sp_column *)0)->unit], force[sizeof((sp_column *)0)->unit];
 } arrival;
 
-/* ---- packings --------------------------------------------------------------------------------------------------- */
+/* ---- packings ---------------------------------------------------------------------------------------------------- */
 
 static sp_status packing_front(arguments *a, const cli_file *file, arrival *out, sp_error *err) {
     sp_packing p;
     sp_network net;
     sp_status status = cli_read_network(file->path, &file->scene->network, &p, &net, err);
-    if (status == SP_OK)
-        status = cli_take_material(a, &p.material, file->path, err);
+    CLI_THEN(status, cli_take_material(a, &p.material, file->path, err));
     if (status == SP_OK) {
         cli_warn_packing(&a->common, file->path, &p, &net);
         *out = (arrival){.distance = sp_packing_height(&p), .length = "d", .force = "E* d^2"};
@@ -215,8 +214,7 @@ static sp_status packing_front(arguments *a, const cli_file *file, arrival *out,
         status = cli_need_walls(&p, "a front", err);
         if (status == SP_OK && is_given(&a->window))
             status = in_unit(a, &a->window, time_unit, &window, err);
-        if (status == SP_OK)
-            status = sp_network_front(&net, file->scene->signal.source, window, &out->front, err);
+        CLI_THEN(status, sp_network_front(&net, file->scene->signal.source, window, &out->front, err));
         if (status != SP_OK)
             sp_fail_prefix(err, "%s", file->path);
     }
@@ -225,7 +223,7 @@ static sp_status packing_front(arguments *a, const cli_file *file, arrival *out,
     return status;
 }
 
-/* ---- traces ----------------------------------------------------------------------------------------------------- */
+/* ---- traces ------------------------------------------------------------------------------------------------------ */
 
 /* The k-th column of numbers, counted from 0; -1 if there are fewer. */
 static int number_column(const sp_table *t, int k) {
@@ -309,8 +307,7 @@ static sp_status trace_front(const arguments *a, const char *path, const sp_tabl
     snprintf(out->time, sizeof out->time, "%s", s.t_unit);
     snprintf(out->force, sizeof out->force, "%s", s.f_unit);
     snprintf(out->length, sizeof out->length, "%s", s.length_unit);
-    if (status == SP_OK)
-        status = sp_front_find(s.n, s.t, s.f, &rule, &out->front, err);
+    CLI_THEN(status, sp_front_find(s.n, s.t, s.f, &rule, &out->front, err));
     if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
     else
@@ -319,15 +316,14 @@ static sp_status trace_front(const arguments *a, const char *path, const sp_tabl
     return status;
 }
 
-/* ---- the table -------------------------------------------------------------------------------------------------- */
+/* ---- the table --------------------------------------------------------------------------------------------------- */
 
-static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
-    cli_writer w = {.table = t, .err = err};
+static sp_status add_columns(void *user, cli_writer *w) {
     (void)user;
-    cli_columns(&w, SP_COLUMN_TEXT, "file", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "distance", "", "t10", "", "t_peak", "", "t_zero", "", "amplitude", "", "width",
+    cli_columns(w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "distance", "", "t10", "", "t_peak", "", "t_zero", "", "amplitude", "", "width",
                 "", NULL);
-    return w.status;
+    return w->status;
 }
 
 /* Merges the units of the last row into the columns. A column keeps a unit that all of its rows have. */
@@ -382,43 +378,44 @@ static void arrival_to_si(const sp_material *m, arrival *one) {
     to_si(m, &one->distance, one->length);
 }
 
-static sp_status add_front(const arguments *a, const char *name, bool packing, arrival *m, sp_table *t, sp_error *err) {
+static sp_status add_front(const arguments *a, const char *name, bool packing, arrival *m, cli_writer *w) {
     sp_status status = SP_OK;
     if (a->distance.text && !m->length[0])
         snprintf(m->length, sizeof m->length, "mm");
     if (is_given(&a->distance))
-        status = in_unit(a, &a->distance, m->length, &m->distance, err);
+        status = in_unit(a, &a->distance, m->length, &m->distance, w->err);
     if (status != SP_OK)
-        return sp_fail_prefix(err, "%s", name);
+        return sp_fail_prefix(w->err, "%s", name);
     if (a->common.units == CLI_UNITS_SI && cli_material(&a->common))
         arrival_to_si(cli_material(&a->common), m);
     const sp_front *f = &m->front;
-    const char *before = t->rows > 0 ? t->column[2].unit : "";
+    const char *before = w->table->rows > 0 ? w->table->column[2].unit : "";
     if (*before && m->time[0] && strcmp(before, m->time) != 0)
-        return sp_fail(err, SP_EINVAL, "%s: its times are in %s, those of the files before it in %s; must be the same",
-                       name, m->time, before);
+        return sp_fail(w->err, SP_EINVAL,
+                       "%s: its times are in %s, those of the files before it in %s; must be the same", name, m->time,
+                       before);
     add_notes(a, name, packing, f);
-    status = sp_table_add_row(t, err, name, m->distance, f->t10, f->t_peak, f->t_zero, f->amplitude, f->width);
+    status = cli_row(w, name, m->distance, f->t10, f->t_peak, f->t_zero, f->amplitude, f->width);
     if (status == SP_OK)
-        merge_units(t, m);
+        merge_units(w->table, m);
     return status;
 }
 
 /* Adds a row for each signal of a table. A signal without a front is reported, and the next one follows. */
-static sp_status add_signals(const arguments *a, cli_file *file, const sp_table *read, sp_table *t, sp_error *err) {
+static sp_status add_signals(const arguments *a, cli_file *file, const sp_table *read, cli_writer *w) {
     int time = 0, force = 0;
-    sp_status status = find_columns(a, read, file->path, &time, &force, err);
+    sp_status status = find_columns(a, read, file->path, &time, &force, w->err);
     const int signals = status == SP_OK && !a->column ? count_signals(read, force) : 1;
     const size_t size = strlen(file->path) + 16;
     char *name = sp_alloc(size, 1);
     if (status == SP_OK && !name)
-        status = sp_fail_memory(err, size);
+        status = sp_fail_memory(w->err, size);
     for (int k = 0; k < signals && status == SP_OK; k++) {
         arrival m;
         sp_error reason = {0};
         snprintf(name, size, signals > 1 ? "%s:F%d" : "%s", file->path, k + 1);
         if (trace_front(a, name, read, time, force + k, &m, &reason) == SP_OK) {
-            status = add_front(a, name, false, &m, t, err);
+            status = add_front(a, name, false, &m, w);
         } else {
             cli_fail(&reason);
             file->failed = true;
@@ -428,22 +425,19 @@ static sp_status add_signals(const arguments *a, cli_file *file, const sp_table 
     return status;
 }
 
-static sp_status add_file(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_file(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     sp_table read = sp_table_none();
     arrival m;
     bool packing = false;
-    sp_status status = is_packing_file(file->path, &packing, err);
+    sp_status status = is_packing_file(file->path, &packing, w->err);
     if (status == SP_OK && packing) {
-        status = packing_front(a, file, &m, err);
-        return status == SP_OK ? add_front(a, file->path, true, &m, t, err) : status;
+        status = packing_front(a, file, &m, w->err);
+        return status == SP_OK ? add_front(a, file->path, true, &m, w) : status;
     }
-    if (status == SP_OK)
-        status = sp_table_read(file->path, &read, err);
-    if (status == SP_OK)
-        status = cli_take_table_material(a, &read, file->path, err);
-    if (status == SP_OK)
-        status = add_signals(a, file, &read, t, err);
+    CLI_THEN(status, sp_table_read(file->path, &read, w->err));
+    CLI_THEN(status, cli_take_table_material(a, &read, file->path, w->err));
+    CLI_THEN(status, add_signals(a, file, &read, w));
     sp_table_free(&read);
     return status;
 }

@@ -39,63 +39,58 @@ void cli_zero_modes(cli_writer *w, const sp_zero_modes *z) {
         cli_comment(w, "mechanisms are not told apart from soft modes");
 }
 
-/* ---- --damping: decaying modes --------------------------------------------------------------------------------------
- */
+/* ---- --damping: decaying modes ----------------------------------------------------------------------------------- */
 
-static sp_status damped(const arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
+static sp_status damped(const arguments *a, const cli_file *file, cli_writer *w) {
     const sp_source source = (sp_source)a->source;
     sp_damped_modes m = sp_damped_modes_none();
-    cli_writer w = {
-        .table = t, .err = err, .status = sp_damped_modes_with(&file->network, &a->damping, source, &m, err)};
-    cli_columns(&w, SP_COLUMN_INTEGER, "n", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "omega", FREQUENCY, "decay", FREQUENCY, "cosine", "E* d^2", "sine", "E* d^2",
+    w->status = sp_damped_modes_with(&file->network, &a->damping, source, &m, w->err);
+    cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", FREQUENCY, "decay", FREQUENCY, "cosine", "E* d^2", "sine", "E* d^2",
                 "error", FREQUENCY, "Q", "", "Q_err", "", NULL);
-    cli_value(&w, "pressure", file->packing.pressure);
-    cli_damping_comment(&w, &a->damping);
-    cli_comment(&w, "source = %s", cli_source_names[source]);
-    cli_comment(&w, "residual = %.3g", m.residual);
-    for (int64_t k = 0; k < m.n && w.status == SP_OK; k++) {
+    cli_value(w, "pressure", file->packing.pressure);
+    cli_damping_comment(w, &a->damping);
+    cli_comment(w, "source = %s", cli_source_names[source]);
+    cli_comment(w, "residual = %.3g", m.residual);
+    for (int64_t k = 0; k < m.n && w->status == SP_OK; k++) {
         double q, q_error;
         sp_damped_modes_quality(&m, k, &q, &q_error);
-        w.status = sp_table_add_row(t, err, k, m.omega[k], m.decay[k], m.cosine[k], m.sine[k], m.error[k], q, q_error);
+        cli_row(w, k, m.omega[k], m.decay[k], m.cosine[k], m.sine[k], m.error[k], q, q_error);
     }
     sp_damped_modes_free(&m);
-    return w.status;
+    return w->status;
 }
 
-/* ---- --stability: whether any motion grows --------------------------------------------------------------------------
- */
+/* ---- --stability: whether any motion grows ----------------------------------------------------------------------- */
 
 static const char *const verdicts[] = {
     [SP_MODES_STABLE] = "stable", [SP_MODES_UNSTABLE] = "unstable", [SP_MODES_UNDECIDED] = "undecided"};
 
 static double known(int64_t count) { return count < 0 ? NAN : (double)count; }
 
-static sp_status stability(const cli_file *file, sp_table *t, sp_error *err) {
+static sp_status stability(const cli_file *file, cli_writer *w) {
     sp_stability s = {0};
-    cli_writer w = {.table = t, .err = err, .status = sp_stability_make(&file->packing, &file->network, &s, err)};
-    cli_columns(&w, SP_COLUMN_TEXT, "verdict", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "negative", "", "flutter", "", "zero", "", "softest", "E* / (rho d^2)", "growth",
+    w->status = sp_stability_make(&file->packing, &file->network, &s, w->err);
+    cli_columns(w, SP_COLUMN_TEXT, "verdict", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "negative", "", "flutter", "", "zero", "", "softest", "E* / (rho d^2)", "growth",
                 FREQUENCY, "growth_bound", FREQUENCY, "error", "E* / (rho d^2)", NULL);
-    cli_value(&w, "pressure", file->packing.pressure);
-    cli_comment(&w, "method = %s", s.dense ? "dense" : "counts");
-    cli_comment(&w, "degrees_of_freedom = %lld", (long long)s.dofs);
-    cli_comment(&w, "skew = %.3g", s.skew);
-    cli_comment(&w, "balance = %.3g", s.balance);
+    cli_value(w, "pressure", file->packing.pressure);
+    cli_comment(w, "method = %s", s.dense ? "dense" : "counts");
+    cli_comment(w, "degrees_of_freedom = %lld", (long long)s.dofs);
+    cli_comment(w, "skew = %.3g", s.skew);
+    cli_comment(w, "balance = %.3g", s.balance);
     if (s.unbalanced > 0)
-        cli_comment(&w,
+        cli_comment(w,
                     "%lld of the motions that grow are within balance: the forces at rest are as much off theirs, see "
                     "packing.tolerance and network.threshold",
                     (long long)s.unbalanced);
-    cli_comment(&w, "%s: no motion grows faster than exp(%.3g t)", verdicts[s.verdict], s.growth_bound);
-    if (w.status == SP_OK)
-        w.status = sp_table_add_row(t, err, verdicts[s.verdict], known(s.negative), known(s.flutter), known(s.zero),
-                                    s.softest, s.growth, s.growth_bound, s.error);
-    return w.status;
+    cli_comment(w, "%s: no motion grows faster than exp(%.3g t)", verdicts[s.verdict], s.growth_bound);
+    cli_row(w, verdicts[s.verdict], known(s.negative), known(s.flutter), known(s.zero), s.softest, s.growth,
+            s.growth_bound, s.error);
+    return w->status;
 }
 
-/* ---- --vectors: of all modes as a file, or the displacements of one as a table
- * --------------------------------------- */
+/* ---- --vectors: of all modes as a file, or the displacements of one as a table ----------------------------------- */
 
 static const char *const places[] = {"x", "y", "z"}, *const components[] = {"ux", "uy", "uz", "rx", "ry", "rz"};
 
@@ -151,8 +146,7 @@ static sp_status write_displacements(const arguments *a, const cli_file *file, c
     displacement_comments(file, m, row, &w);
     displacement_rows(&file->network, m->vectors + (row - m->n_rattler) * m->dofs, &w);
     there.format_given = false;
-    if (w.status == SP_OK)
-        w.status = cli_write_table_to(&there, a->vectors, &t, err);
+    CLI_THEN(w.status, cli_write_table_to(&there, a->vectors, &t, err));
     sp_table_free(&t);
     return w.status;
 }
@@ -178,8 +172,7 @@ static sp_status write_vectors(const arguments *a, const cli_file *file, const s
     return sp_modes_save(m, &file->packing, &file->network, &made, a->vectors, err);
 }
 
-/* ---- options --------------------------------------------------------------------------------------------------------
- */
+/* ---- options ----------------------------------------------------------------------------------------------------- */
 
 static sp_status set_lowest(void *user, const char *text, sp_error *err) {
     arguments *a = user;
@@ -285,11 +278,8 @@ static const cli_syntax syntax = {
         "has one row, each overdamped mode a row with omega = 0; n starts at 0 without rattlers. Q = |lambda|/(2 "
         "decay) with "
         "lambda = -decay + i omega is the quality factor (nan for an overdamped mode), Q_err a bound of its error.",
-    .finds_material = true,
+    CLI_ONE_PACKING,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = 1,
     .springs = true,
     .check = check};
 
@@ -330,7 +320,7 @@ static void add_columns(bool vectors, cli_writer *w) {
     cli_columns(w, SP_COLUMN_NUMBER, "error", FREQUENCY, NULL);
 }
 
-static sp_status undamped(const arguments *a, const cli_file *file, sp_table *t, sp_error *err) {
+static sp_status undamped(const arguments *a, const cli_file *file, cli_writer *w) {
     const sp_modes_options o = {.vectors = !a->frequencies_only,
                                 .source = (sp_source)a->source,
                                 .solver = (sp_modes_solver)a->solver,
@@ -338,40 +328,37 @@ static sp_status undamped(const arguments *a, const cli_file *file, sp_table *t,
     sp_modes_range range = a->range;
     sp_modes m = sp_modes_none();
     range.zero = a->zero;
-    cli_writer w = {.table = t, .err = err, .status = sp_modes_make(&file->network, &o, &range, &m, err)};
-    add_columns(!a->frequencies_only, &w);
-    add_comments(a, file, &m, &w);
-    if (a->vectors && w.status == SP_OK)
-        w.status = write_vectors(a, file, &m, err);
-    for (int64_t k = 0; k < m.n && w.status == SP_OK; k++) {
+    w->status = sp_modes_make(&file->network, &o, &range, &m, w->err);
+    add_columns(!a->frequencies_only, w);
+    add_comments(a, file, &m, w);
+    if (a->vectors && w->status == SP_OK)
+        w->status = write_vectors(a, file, &m, w->err);
+    for (int64_t k = 0; k < m.n && w->status == SP_OK; k++) {
         const int64_t n = m.first + k;
         if (m.vectors)
-            w.status = sp_table_add_row(t, err, n, m.omega[k], m.a[k], m.b[k], m.a[k] * m.b[k], m.participation[k],
-                                        m.error[k]);
+            cli_row(w, n, m.omega[k], m.a[k], m.b[k], m.a[k] * m.b[k], m.participation[k], m.error[k]);
         else
-            w.status = sp_table_add_row(t, err, n, m.omega[k], m.error[k]);
+            cli_row(w, n, m.omega[k], m.error[k]);
     }
     sp_modes_free(&m);
-    return w.status;
+    return w->status;
 }
 
-static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     const arguments *a = user;
     if (!a->stability && !(a->damping.value > 0))
-        return undamped(a, file, t, err);
-    cli_writer w = {.table = t, .err = err};
-    cli_comment(&w, "file = %s", file->path);
-    if (w.status == SP_OK && !a->stability)
-        w.status = cli_need_walls(&file->packing, "the pulse of damped modes", err);
-    if (w.status != SP_OK)
-        return w.status;
-    return a->stability ? stability(file, t, err) : damped(a, file, t, err);
+        return undamped(a, file, w);
+    cli_comment(w, "file = %s", file->path);
+    if (w->status == SP_OK && !a->stability)
+        w->status = cli_need_walls(&file->packing, "the pulse of damped modes", w->err);
+    if (w->status != SP_OK)
+        return w->status;
+    return a->stability ? stability(file, w) : damped(a, file, w);
 }
 
-static sp_status begin(void *user, sp_table *t, sp_error *err) {
+static sp_status begin(void *user, cli_writer *w) {
     const arguments *a = user;
-    (void)t;
-    return a->vectors ? cli_may_write_modes(&a->common, a->vectors, err) : SP_OK;
+    return a->vectors ? cli_may_write_modes(&a->common, a->vectors, w->err) : SP_OK;
 }
 
 /* How many modes a band has: their density is about even over the spectrum. */

@@ -100,11 +100,8 @@ static const cli_syntax syntax = {
         "dimensions 3 is the shear, so C13 and C23 couple it to the axes), the bulk modulus K and the shear modulus G "
         "of its isotropic part (Voigt's averages), the anisotropy |C - isotropic part|/|C|, and bounds of the errors: "
         "K_err, G_err, anisotropy_err, and C_err of all components.",
-    .finds_material = true,
+    CLI_PACKINGS,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = CLI_ANY_NUMBER,
     .springs = true,
     .check = check};
 
@@ -114,7 +111,7 @@ static bool no_shear(int dim, const sp_moduli *m) { return dim > 1 && isnan(dim 
 /* Moduli of a packing of this dimension. */
 static const char *moduli_of(int dim) { return dim == 3 ? "C11 C12 C13 C22 C23 C33 C44 C55 C66" : "C11 C12 C22 C33"; }
 
-/* ---- of an imposed strain --------------------------------------------------------------------------------------- */
+/* ---- of an imposed strain ---------------------------------------------------------------------------------------- */
 
 /* Notes which strains the network does not resist, or even helps. */
 static void explain_mechanisms(const arguments *a, const char *path, const sp_moduli *m) {
@@ -180,8 +177,7 @@ static void global_row(const arguments *a, const cli_file *file, cli_writer *w) 
     sp_moduli m;
     sp_elasticity whole;
     w->status = sp_packing_density(&file->packing, file->scene->network.threshold, a->margin, &density, w->err);
-    if (w->status == SP_OK)
-        w->status = sp_elasticity_make(&file->network, density, &m, &whole, w->err);
+    CLI_THEN(w->status, sp_elasticity_make(&file->network, density, &m, &whole, w->err));
     if (w->status != SP_OK)
         return;
     explain(a, file, density, &m);
@@ -332,29 +328,27 @@ static sp_status check_alike(const arguments *a, int dim, bool whole, sp_error *
 }
 
 /* Adds the rows of one packing. */
-static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
     const int dim = file->packing.dim;
     const bool whole = dim > 1 && file->packing.cell != SP_CELL_PISTON;
     sp_statics s;
-    w.status = sp_statics_make(&file->packing, file->scene->network.threshold, a->margin, &s, err);
-    if (w.status == SP_OK)
-        w.status = check_alike(a, dim, whole, err);
-    if (w.status == SP_OK && a->dim == 0) {
+    w->status = sp_statics_make(&file->packing, file->scene->network.threshold, a->margin, &s, w->err);
+    CLI_THEN(w->status, check_alike(a, dim, whole, w->err));
+    if (w->status == SP_OK && a->dim == 0) {
         a->whole = whole;
         a->dim = dim;
-        add_columns(a, dim, &w);
+        add_columns(a, dim, w);
     }
-    if (w.status != SP_OK)
-        return w.status;
+    if (w->status != SP_OK)
+        return w->status;
     if (a->strains > 0)
-        strained_rows(a, file, &w);
+        strained_rows(a, file, w);
     else if (has_probes(a))
-        probe_rows(a, file, s.phi3s, &w);
+        probe_rows(a, file, s.phi3s, w);
     else
-        global_row(a, file, &w);
-    return w.status;
+        global_row(a, file, w);
+    return w->status;
 }
 
 int cmd_moduli(int argc, char **argv) {

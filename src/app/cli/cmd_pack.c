@@ -278,8 +278,7 @@ static sp_status save_stage(const sp_packing *stage, int32_t index, void *user, 
     if (!p.scene)
         return sp_fail_memory(err, 1024);
     sp_status status = stage_path(c->arguments->common.output, index, path, err);
-    if (status == SP_OK)
-        status = save_packing(&p, path, err);
+    CLI_THEN(status, save_packing(&p, path, err));
     sp_free(p.scene);
     c->state.due = true; /* else the same command would find this file in its way */
     return status;
@@ -292,8 +291,7 @@ static sp_status may_write_stages(const compression *c, sp_error *err) {
     for (int32_t k = 0; k < c->scene->pack.history_count && status == SP_OK; k++) {
         char path[SP_PATH_MAX];
         status = stage_path(common.output, k, path, err);
-        if (status == SP_OK)
-            status = cli_may_write(&common, path, err);
+        CLI_THEN(status, cli_may_write(&common, path, err));
     }
     return status;
 }
@@ -306,19 +304,16 @@ static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_p
     const double threshold = scene->network.threshold;
     cli_writer w = {.table = &t, .err = err};
     w.status = sp_packing_rattlers(p, threshold, NULL, NULL, &rattlers, err);
-    if (w.status == SP_OK)
-        w.status = sp_statics_make(p, threshold, 3, &statics, err);
+    CLI_THEN(w.status, sp_statics_make(p, threshold, 3, &statics, err));
     cli_columns(&w, SP_COLUMN_INTEGER, "grains", "", NULL);
     cli_columns(&w, SP_COLUMN_NUMBER, "height", "d", "p", "E*", "z_star", "", NULL);
     cli_columns(&w, SP_COLUMN_INTEGER, "rattlers", "", NULL);
     cli_columns(&w, SP_COLUMN_NUMBER, "residual", "E* / (rho d)", NULL);
     cli_columns(&w, SP_COLUMN_INTEGER, "steps", "", NULL);
     cli_columns(&w, SP_COLUMN_NUMBER, "seconds", "s", NULL);
-    if (w.status == SP_OK)
-        w.status = sp_table_add_row(&t, err, (int64_t)p->n, sp_packing_height(p), p->pressure, statics.zs,
-                                    (int64_t)rattlers, p->residual, p->steps, p->seconds);
-    if (w.status == SP_OK)
-        w.status = cli_write_table_to(&a->common, NULL, &t, err);
+    CLI_THEN(w.status, sp_table_add_row(&t, err, (int64_t)p->n, sp_packing_height(p), p->pressure, statics.zs,
+                                        (int64_t)rattlers, p->residual, p->steps, p->seconds));
+    CLI_THEN(w.status, cli_write_table_to(&a->common, NULL, &t, err));
     sp_table_free(&t);
     return w.status;
 }
@@ -357,12 +352,9 @@ static sp_status compress(compression *c, const sp_packing *from, sp_packing *p,
 static sp_status make_and_save(compression *c, const sp_packing *from, sp_packing *p, sp_error *err) {
     const arguments *a = c->arguments;
     sp_status status = pack_state_open(&a->common, &c->scene->pack, a->every, &c->state, err);
-    if (status == SP_OK)
-        status = may_write_stages(c, err);
-    if (status == SP_OK)
-        status = compress(c, from, p, err);
-    if (status == SP_OK)
-        status = save_packing(p, a->common.output, err);
+    CLI_THEN(status, may_write_stages(c, err));
+    CLI_THEN(status, compress(c, from, p, err));
+    CLI_THEN(status, save_packing(p, a->common.output, err));
     if (status == SP_OK)
         pack_state_remove(&c->state);
     pack_state_free(&c->state);
@@ -391,7 +383,7 @@ static sp_status plan(const arguments *a, const sp_scene *scene, sp_error *err) 
     return status;
 }
 
-/* ---- all together ----------------------------------------------------------------------------------------------- */
+/* ---- all together ------------------------------------------------------------------------------------------------ */
 
 static sp_status may_write_output(const arguments *a, sp_error *err) {
     const char *path = a->common.output;
@@ -405,8 +397,7 @@ static sp_status may_write_output(const arguments *a, sp_error *err) {
 static sp_status read_scene(arguments *a, sp_scene *scene, sp_error *err) {
     const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
     sp_status status = cli_read_scene(&a->common, path, scene, err);
-    if (status == SP_OK)
-        status = cli_set_scene(&a->common, scene, err);
+    CLI_THEN(status, cli_set_scene(&a->common, scene, err));
     return status == SP_OK ? sp_scene_resolve(scene, err) : status;
 }
 
@@ -419,8 +410,7 @@ static sp_status make(arguments *a, sp_scene *scene, const sp_packing *from, sp_
 
 static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
     sp_status status = may_write_output(a, err);
-    if (status == SP_OK)
-        status = read_scene(a, scene, err);
+    CLI_THEN(status, read_scene(a, scene, err));
     if (status != SP_OK)
         return status;
     if (scene->sweeps > 0)
@@ -428,13 +418,12 @@ static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *er
     sp_packing from = sp_packing_none();
     if (scene->pack.kind == SP_PACK_FILE)
         status = cli_load_start(scene, &from, err);
-    if (status == SP_OK)
-        status = cli_take_material(a, &scene->material, a->common.files > 0 ? a->common.file[0] : "the scene", err);
+    CLI_THEN(status,
+             cli_take_material(a, &scene->material, a->common.files > 0 ? a->common.file[0] : "the scene", err));
     cli_note_material(&a->common, scene);
     if (status == SP_OK)
         cli_warn_low_box(&a->common, &scene->pack);
-    if (status == SP_OK)
-        status = make(a, scene, &from, p, err);
+    CLI_THEN(status, make(a, scene, &from, p, err));
     sp_packing_free(&from);
     return status == SP_OK && !a->common.dry_run ? summarise(a, scene, p, err) : status;
 }

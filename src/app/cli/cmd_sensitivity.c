@@ -148,8 +148,7 @@ static sp_status of_front(const arguments *a, const cli_file *file, sp_gradient 
     sp_sensitivity_options o;
     sp_front_gradient g;
     sp_status status = wave_options(a, file, &o, err);
-    if (status == SP_OK)
-        status = sp_sensitivity_front(&file->network, &o, a->of.front, &g, err);
+    CLI_THEN(status, sp_sensitivity_front(&file->network, &o, a->of.front, &g, err));
     if (status != SP_OK)
         return status;
     sp_gradient *from = a->of.front == SP_FRONT_T10      ? &g.t10
@@ -180,9 +179,8 @@ static sp_status of_modes(const arguments *a, const cli_file *file, sp_gradient 
     o.threads = a->common.threads;
     const sp_modes_range all = sp_modes_range_all();
     sp_status status = sp_modes_make(net, &o, &all, &m, err);
-    if (status == SP_OK)
-        status = sp_sensitivity_modes(net, &m, a->of.first - m.first, a->of.last - a->of.first + 1, a->by,
-                                      &file->packing, out, err);
+    CLI_THEN(status, sp_sensitivity_modes(net, &m, a->of.first - m.first, a->of.last - a->of.first + 1, a->by,
+                                          &file->packing, out, err));
     sp_modes_free(&m);
     return status;
 }
@@ -296,8 +294,7 @@ static sp_status grain_rows(const cli_file *file, const sp_gradient *g, const ch
 static sp_status pressure_row(const cli_file *file, const sp_gradient *g, const char *unit, cli_writer *w) {
     const double p = file->packing.pressure;
     cli_columns(w, SP_COLUMN_NUMBER, "p", "E*", "by_p", unit, "by_p_err", unit, NULL);
-    return w->status == SP_OK ? sp_table_add_row(w->table, w->err, p, p * g->pressure.d[0], p * g->pressure.error[0])
-                              : w->status;
+    return w->status == SP_OK ? cli_row(w, p, p * g->pressure.d[0], p * g->pressure.error[0]) : w->status;
 }
 
 static sp_status add_rows(const arguments *a, const cli_file *file, const sp_gradient *g, cli_writer *w) {
@@ -342,8 +339,7 @@ static sp_status check(void *user, sp_error *err) {
     if (!wave && (a->sources.n > 0 || a->detectors.n > 0 || a->pulse.word))
         return sp_fail(err, SP_EINVAL, "--from, --detector and --pulse: only for a front or for F");
     sp_status status = cli_need(&syntax, &a->common, "source", wave, "a front or F", err);
-    if (status == SP_OK)
-        status = cli_need(&syntax, &a->common, "until", a->of.kind == SENSITIVITY_FRONT, "a front", err);
+    CLI_THEN(status, cli_need(&syntax, &a->common, "until", a->of.kind == SENSITIVITY_FRONT, "a front", err));
     return status == SP_OK
                ? cli_need(&syntax, &a->common, "margin", a->of.kind == SENSITIVITY_MODULUS, "c_l or c_t", err)
                : status;
@@ -372,18 +368,12 @@ static const cli_syntax syntax = {
         "omega:N-M. N counts as the column n of modes, zero modes first. c_l and c_t have a fixed density. K must be "
         "symmetric: with friction "
         "--prestress is refused. --set takes keys of the group network.",
-    .finds_material = true,
+    CLI_ONE_PACKING,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = 1,
     .springs = true,
     .check = check};
 
-static sp_status open_pulse(void *user, sp_table *t, sp_error *err) {
-    (void)t;
-    return cli_pulse_open(&((arguments *)user)->pulse, err);
-}
+static sp_status open_pulse(void *user, cli_writer *w) { return cli_pulse_open(&((arguments *)user)->pulse, w->err); }
 
 static int by_size(const void *a, const void *b) {
     const double x = *(const double *)a, y = *(const double *)b;
@@ -431,16 +421,16 @@ static void add_comments(const arguments *a, const cli_file *file, const sp_grad
         cli_comment(w, "half_share = %.4g", share);
 }
 
-static sp_status compute(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status compute(void *user, cli_file *file, cli_writer *w) {
     const arguments *a = user;
     sp_gradient g = sp_gradient_none();
-    cli_writer w = {.table = t, .err = err, .status = differentiate(a, file, &g, err)};
-    if (w.status == SP_OK) {
-        add_comments(a, file, &g, &w);
-        w.status = w.status == SP_OK ? add_rows(a, file, &g, &w) : w.status;
+    w->status = differentiate(a, file, &g, w->err);
+    if (w->status == SP_OK) {
+        add_comments(a, file, &g, w);
+        w->status = w->status == SP_OK ? add_rows(a, file, &g, w) : w->status;
     }
     sp_gradient_free(&g);
-    return w.status;
+    return w->status;
 }
 
 int cmd_sensitivity(int argc, char **argv) {

@@ -124,11 +124,8 @@ static const cli_syntax syntax = {
         "Pulses: gauss (standard deviation WIDTH) and square have unit integral; ricker and sine (under a Hann "
         "window) have the angular frequency OMEGA and the amplitude 1. gauss and ricker are centred at t = 0. A file "
         "has columns of times and strengths, which are interpolated linearly.",
-    .finds_material = true,
+    CLI_ONE_PACKING,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = 1,
     .springs = true};
 
 /* The scene's options, with what depends on the packing. */
@@ -177,22 +174,22 @@ static void name_columns(const arguments *a, const sp_signal *s, cli_writer *w) 
     }
 }
 
-static sp_status add_rows(const sp_signal *s, sp_table *t, sp_error *err) {
+static sp_status add_rows(const sp_signal *s, cli_writer *w) {
     const int32_t pairs = s->sources * s->detectors;
     double *row = sp_alloc(1 + (size_t)pairs, sizeof *row);
-    sp_status status = row ? SP_OK : sp_fail_memory(err, (1 + (size_t)pairs) * sizeof *row);
+    sp_status status = row ? SP_OK : sp_fail_memory(w->err, (1 + (size_t)pairs) * sizeof *row);
     for (int32_t l = 0; l < s->n && status == SP_OK; l++) {
         row[0] = s->t[l];
         for (int32_t k = 0; k < pairs; k++)
             row[1 + k] = s->f[(int64_t)k * s->n + l];
-        status = sp_table_add_numbers(t, row, err);
+        status = sp_table_add_numbers(w->table, row, w->err);
     }
     sp_free(row);
     return status;
 }
 
 static sp_status add_signal(const arguments *a, const cli_file *file, const sp_signal_options *o, const sp_signal *s,
-                            sp_table *t, sp_error *err) {
+                            cli_writer *w) {
     const struct {
         const char *key;
         double value;
@@ -209,32 +206,28 @@ static sp_status add_signal(const arguments *a, const cli_file *file, const sp_s
                     {"factor", s->amplitude},
                     {"modes", (double)s->modes}};
     enum { ALWAYS = 7 }; /* the first of them; the others belong to some methods */
-    cli_writer w = {.table = t, .err = err};
-    cli_comment(&w, "file = %s", file->path);
-    cli_comment(&w, "method = %s", sp_signal_method_name(s->method));
-    cli_comment(&w, "source = %s", cli_source_names[o->source]);
+    cli_comment(w, "file = %s", file->path);
+    cli_comment(w, "method = %s", sp_signal_method_name(s->method));
+    cli_comment(w, "source = %s", cli_source_names[o->source]);
     if (file->packing.dim == 3) /* heights are z then */
-        cli_comment(&w, "dimension = 3");
+        cli_comment(w, "dimension = 3");
     if (file->packing.cell != SP_CELL_PISTON)
-        cli_comment(&w, "cell = %s", sp_cell_names[file->packing.cell]);
+        cli_comment(w, "cell = %s", sp_cell_names[file->packing.cell]);
     if (a->pulse.word)
-        cli_comment(&w, "pulse = %s", a->pulse.word);
+        cli_comment(w, "pulse = %s", a->pulse.word);
     const sp_damping law = sp_signal_damping(o);
     for (size_t k = 0; k < sizeof comments / sizeof *comments; k++)
         if (strcmp(comments[k].key, "damping") == 0 && law.value > 0)
-            cli_damping_comment(&w, &law);
+            cli_damping_comment(w, &law);
         else if (k < ALWAYS || comments[k].value != 0)
-            cli_value(&w, comments[k].key, comments[k].value);
+            cli_value(w, comments[k].key, comments[k].value);
     if (s->method == SP_SIGNAL_DYNAMICS || a->pulse.word) /* else a bound */
-        cli_comment(&w, "error_kind = estimate");
-    name_columns(a, s, &w);
-    return w.status == SP_OK ? add_rows(s, t, err) : w.status;
+        cli_comment(w, "error_kind = estimate");
+    name_columns(a, s, w);
+    return w->status == SP_OK ? add_rows(s, w) : w->status;
 }
 
-static sp_status open_pulse(void *user, sp_table *t, sp_error *err) {
-    (void)t;
-    return cli_pulse_open(&((arguments *)user)->pulse, err);
-}
+static sp_status open_pulse(void *user, cli_writer *w) { return cli_pulse_open(&((arguments *)user)->pulse, w->err); }
 
 /* The options, and whether their table fits into memory: a value takes 8 bytes in the signal, twice that in the table
  * and about 24 in its text. */
@@ -250,16 +243,14 @@ static sp_status set_and_check(arguments *a, const cli_file *file, sp_signal_opt
                    o->points, pairs, 1e-9 * bytes, 1e-9 * most);
 }
 
-static sp_status compute(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status compute(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     sp_signal s = sp_signal_none();
     sp_signal_options o;
-    sp_status status = set_and_check(a, file, &o, err);
-    if (status == SP_OK)
-        status = a->pulse.word ? sp_signal_pulse(&file->network, &o, &a->pulse.pulse, &s, err)
-                               : sp_signal_compute(&file->packing, &file->network, &o, &s, err);
-    if (status == SP_OK)
-        status = add_signal(a, file, &o, &s, t, err);
+    sp_status status = set_and_check(a, file, &o, w->err);
+    CLI_THEN(status, a->pulse.word ? sp_signal_pulse(&file->network, &o, &a->pulse.pulse, &s, w->err)
+                                   : sp_signal_compute(&file->packing, &file->network, &o, &s, w->err));
+    CLI_THEN(status, add_signal(a, file, &o, &s, w));
     if (status == SP_OK)
         cli_debug(&a->common, "%s: %s, %d products, error %.3g", file->path, sp_signal_method_name(s.method),
                   s.products, s.error);

@@ -37,7 +37,7 @@ static void dos_columns(sp_dos_norm norm, cli_writer *w) {
                 "cumulative", number, "cumulative_err", number, "smooth", unit, "smooth_err", unit, NULL);
 }
 
-static sp_status dos(const arguments *a, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status dos(const arguments *a, cli_file *file, cli_writer *w) {
     const sp_network *net = &file->network;
     sp_dos_options o = a->dos;
     sp_dos d = sp_dos_none();
@@ -45,79 +45,77 @@ static sp_status dos(const arguments *a, cli_file *file, sp_table *t, sp_error *
     o.until = a->until;
     o.resolution = a->resolution;
     o.threads = a->common.threads;
-    cli_writer w = {.table = t, .err = err, .status = sp_dos_make(net, &o, &d, err)};
-    if (w.status != SP_OK)
-        return w.status;
-    dos_columns(o.norm, &w);
-    cli_comment(&w, "method = %s", dos_methods[d.method]);
-    cli_comment(&w, "norm = %s", dos_norms[o.norm]);
-    cli_value(&w, "modes", (double)d.modes);
-    cli_zero_modes(&w, &d.zero);
+    w->status = sp_dos_make(net, &o, &d, w->err);
+    if (w->status != SP_OK)
+        return w->status;
+    dos_columns(o.norm, w);
+    cli_comment(w, "method = %s", dos_methods[d.method]);
+    cli_comment(w, "norm = %s", dos_norms[o.norm]);
+    cli_value(w, "modes", (double)d.modes);
+    cli_zero_modes(w, &d.zero);
     if (d.zero.total < 0)
-        cli_comment(&w, "zero modes of the network are in the density, at omega = 0");
-    cli_value(&w, "resolution", d.resolution);
-    cli_value(&w, "omega_max", d.omega_max);
+        cli_comment(w, "zero modes of the network are in the density, at omega = 0");
+    cli_value(w, "resolution", d.resolution);
+    cli_value(w, "omega_max", d.omega_max);
     if (d.vectors > 0)
-        cli_value(&w, "vectors", d.vectors);
-    cli_value(&w, "moments", (double)d.moments);
-    for (int32_t b = 0; b < d.bins && w.status == SP_OK; b++)
-        w.status = sp_table_add_row(t, err, 0.5 * (d.edge[b] + d.edge[b + 1]), d.edge[b], d.edge[b + 1], d.density[b],
-                                    d.density_error[b], d.cumulative[b], d.cumulative_error[b], d.smooth[b],
-                                    d.smooth_error[b]);
+        cli_value(w, "vectors", d.vectors);
+    cli_value(w, "moments", (double)d.moments);
+    for (int32_t b = 0; b < d.bins && w->status == SP_OK; b++)
+        cli_row(w, 0.5 * (d.edge[b] + d.edge[b + 1]), d.edge[b], d.edge[b + 1], d.density[b], d.density_error[b],
+                d.cumulative[b], d.cumulative_error[b], d.smooth[b], d.smooth_error[b]);
     sp_dos_free(&d);
-    return w.status;
+    return w->status;
 }
 
 /* The table of --lines: every mode with its weight in the signal. */
-static sp_status lines(const arguments *a, const sp_network *net, sp_table *t, sp_error *err) {
+static sp_status lines(const arguments *a, const sp_network *net, cli_writer *w) {
     const sp_modes_options o = {.vectors = true, .source = (sp_source)a->source, .solver = (sp_modes_solver)a->solver};
     const sp_modes_range range = sp_modes_range_all();
     sp_modes m = sp_modes_none();
     double all = 0, sum = 0;
     if (!sp_network_touches(net, SP_BOTTOM) || !sp_network_touches(net, SP_TOP))
-        return sp_fail(err, SP_EREFUSED, "no carrying contact at the %s wall: no mode has a weight in a signal",
+        return sp_fail(w->err, SP_EREFUSED, "no carrying contact at the %s wall: no mode has a weight in a signal",
                        sp_network_touches(net, SP_BOTTOM) ? "top" : "bottom");
-    cli_writer w = {.table = t, .err = err, .status = sp_modes_make(net, &o, &range, &m, err)};
-    cli_columns(&w, SP_COLUMN_INTEGER, "n", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "omega", RATE, "ab", "E* d^2", "share", "", NULL);
-    cli_comment(&w, "source = %s", cli_source_names[a->source]);
-    cli_comment(&w, "share: of the sum of |ab| over all modes, up to this one");
-    for (int64_t k = 0; k < m.n && w.status == SP_OK; k++)
+    w->status = sp_modes_make(net, &o, &range, &m, w->err);
+    cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", RATE, "ab", "E* d^2", "share", "", NULL);
+    cli_comment(w, "source = %s", cli_source_names[a->source]);
+    cli_comment(w, "share: of the sum of |ab| over all modes, up to this one");
+    for (int64_t k = 0; k < m.n && w->status == SP_OK; k++)
         all += fabs(m.a[k] * m.b[k]);
-    for (int64_t k = m.n_rattler; k < m.n && w.status == SP_OK; k++) {
+    for (int64_t k = m.n_rattler; k < m.n && w->status == SP_OK; k++) {
         sum += fabs(m.a[k] * m.b[k]);
-        w.status = sp_table_add_row(t, err, k, m.omega[k], m.a[k] * m.b[k], all > 0 ? sum / all : 0.0);
+        cli_row(w, k, m.omega[k], m.a[k] * m.b[k], all > 0 ? sum / all : 0.0);
     }
     sp_modes_free(&m);
-    return w.status;
+    return w->status;
 }
 
-static sp_status transmission(const arguments *a, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status transmission(const arguments *a, cli_file *file, cli_writer *w) {
     sp_transmission_options o = sp_transmission_options_default();
     sp_transmission s = sp_transmission_none();
     if (a->lines && (a->bins > 0 || a->until > 0 || a->resolution > 0))
-        return sp_fail(err, SP_EINVAL, "--lines cannot be combined with --bins, --omega-max or --resolution");
+        return sp_fail(w->err, SP_EINVAL, "--lines cannot be combined with --bins, --omega-max or --resolution");
     if (a->lines)
-        return lines(a, &file->network, t, err);
+        return lines(a, &file->network, w);
     o.source = (sp_source)a->source;
     o.points = a->bins > 0 ? a->bins : o.points;
     o.until = a->until;
     o.resolution = a->resolution;
-    cli_writer w = {.table = t, .err = err, .status = sp_transmission_make(&file->network, &o, &s, err)};
-    cli_columns(&w, SP_COLUMN_NUMBER, "omega", RATE, "density", RESPONSE, "magnitude", RESPONSE, "re", RESPONSE, "im",
+    w->status = sp_transmission_make(&file->network, &o, &s, w->err);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", RATE, "density", RESPONSE, "magnitude", RESPONSE, "re", RESPONSE, "im",
                 RESPONSE, "error", RESPONSE, NULL);
-    cli_comment(&w, "source = %s", cli_source_names[a->source]);
-    cli_value(&w, "resolution", s.resolution);
-    cli_value(&w, "omega_max", s.omega_max);
-    cli_value(&w, "moments", (double)s.moments);
-    for (int32_t l = 0; l < s.n && w.status == SP_OK; l++)
-        w.status =
-            sp_table_add_row(t, err, s.omega[l], s.density[l], hypot(s.re[l], s.im[l]), s.re[l], s.im[l], s.error[l]);
+    cli_comment(w, "source = %s", cli_source_names[a->source]);
+    cli_value(w, "resolution", s.resolution);
+    cli_value(w, "omega_max", s.omega_max);
+    cli_value(w, "moments", (double)s.moments);
+    for (int32_t l = 0; l < s.n && w->status == SP_OK; l++)
+        cli_row(w, s.omega[l], s.density[l], hypot(s.re[l], s.im[l]), s.re[l], s.im[l], s.error[l]);
     sp_transmission_free(&s);
-    return w.status;
+    return w->status;
 }
 
-/* ---- dispersion ------------------------------------------------------------------------------------------------- */
+/* ---- dispersion -------------------------------------------------------------------------------------------------- */
 
 static const char *const directions[] = {"x", "up", "y", NULL};
 static const char *const polarizations[] = {"longitudinal", "transverse", "rotational"};
@@ -127,8 +125,8 @@ static void add_waves(const sp_dispersion *d, cli_writer *w) {
                 "resolution", RATE, NULL);
     for (int32_t q = 0; q < d->n && w->status == SP_OK; q++) {
         const sp_dispersion_point *wave = &d->wave[q];
-        w->status = sp_table_add_row(w->table, w->err, polarizations[wave->polarization], (int64_t)wave->n, wave->k,
-                                     wave->rms, wave->spread, wave->peak, wave->half_width, wave->resolution);
+        cli_row(w, polarizations[wave->polarization], (int64_t)wave->n, wave->k, wave->rms, wave->spread, wave->peak,
+                wave->half_width, wave->resolution);
     }
 }
 
@@ -136,9 +134,8 @@ static void add_spectral(const sp_dispersion *d, cli_writer *w) {
     cli_columns(w, SP_COLUMN_NUMBER, "k", "1/d", "omega", RATE, "S", TIME, NULL);
     for (int32_t q = 0; q < d->n; q++)
         for (int32_t l = 0; l < d->profile && w->status == SP_OK; l++)
-            w->status =
-                sp_table_add_row(w->table, w->err, polarizations[d->wave[q].polarization], (int64_t)d->wave[q].n,
-                                 d->wave[q].k, d->omega[l], d->s[(int64_t)q * d->profile + l]);
+            cli_row(w, polarizations[d->wave[q].polarization], (int64_t)d->wave[q].n, d->wave[q].k, d->omega[l],
+                    d->s[(int64_t)q * d->profile + l]);
 }
 
 static sp_status set_dispersion(const arguments *a, const cli_file *file, sp_dispersion_options *o, sp_error *err) {
@@ -160,52 +157,50 @@ static sp_status set_dispersion(const arguments *a, const cli_file *file, sp_dis
     return SP_OK;
 }
 
-static sp_status dispersion(const arguments *a, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status dispersion(const arguments *a, cli_file *file, cli_writer *w) {
     sp_dispersion_options o;
     sp_dispersion d = sp_dispersion_none();
-    cli_writer w = {.table = t, .err = err, .status = set_dispersion(a, file, &o, err)};
-    if (w.status == SP_OK)
-        w.status = sp_dispersion_make(&file->network, &o, &d, err);
-    if (w.status != SP_OK)
-        return w.status;
-    cli_columns(&w, SP_COLUMN_TEXT, "polarization", "", NULL);
-    cli_columns(&w, SP_COLUMN_INTEGER, "n", "", NULL);
-    cli_comment(&w, "direction = %s", directions[o.along_y ? 2 : o.up]);
+    w->status = set_dispersion(a, file, &o, w->err);
+    CLI_THEN(w->status, sp_dispersion_make(&file->network, &o, &d, w->err));
+    if (w->status != SP_OK)
+        return w->status;
+    cli_columns(w, SP_COLUMN_TEXT, "polarization", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_comment(w, "direction = %s", directions[o.along_y ? 2 : o.up]);
     if (o.up && file->packing.cell != SP_CELL_PERIODIC)
-        cli_value(&w, "node", o.node);
-    cli_value(&w, "omega_max", d.omega_max);
-    cli_value(&w, "moments", (double)d.moments);
+        cli_value(w, "node", o.node);
+    cli_value(w, "omega_max", d.omega_max);
+    cli_value(w, "moments", (double)d.moments);
     if (a->profile)
-        add_spectral(&d, &w);
+        add_spectral(&d, w);
     else
-        add_waves(&d, &w);
+        add_waves(&d, w);
     sp_dispersion_free(&d);
-    return w.status;
+    return w->status;
 }
 
-/* ---- participation ---------------------------------------------------------------------------------------------- */
+/* ---- participation ----------------------------------------------------------------------------------------------- */
 
-static sp_status participation(const arguments *a, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status participation(const arguments *a, cli_file *file, cli_writer *w) {
     const sp_modes_options o = {.vectors = true, .solver = (sp_modes_solver)a->solver};
     const sp_modes_range all = sp_modes_range_all();
     const int32_t bins = a->bins > 0 ? a->bins : 40;
     sp_modes m = sp_modes_none();
     sp_participation_bin *bin = sp_alloc((size_t)bins, sizeof *bin);
-    cli_writer w = {.table = t, .err = err};
-    w.status = bin ? sp_modes_make(&file->network, &o, &all, &m, err) : sp_fail_memory(err, (size_t)bins * sizeof *bin);
-    if (w.status == SP_OK)
-        w.status = sp_participation(&m, bins, a->until, bin, err);
-    cli_columns(&w, SP_COLUMN_NUMBER, "omega", RATE, "low", RATE, "high", RATE, NULL);
-    cli_columns(&w, SP_COLUMN_INTEGER, "modes", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "participation", "", "sd", "", "min", "", "max", "", NULL);
-    cli_zero_modes(&w, &m.zero);
-    cli_comment(&w, "nan: no mode in the bin; sd: fewer than two");
-    for (int32_t b = 0; b < bins && w.status == SP_OK; b++)
-        w.status = sp_table_add_row(t, err, 0.5 * (bin[b].low + bin[b].high), bin[b].low, bin[b].high, bin[b].modes,
-                                    bin[b].mean, bin[b].sd, bin[b].least, bin[b].largest);
+    w->status =
+        bin ? sp_modes_make(&file->network, &o, &all, &m, w->err) : sp_fail_memory(w->err, (size_t)bins * sizeof *bin);
+    CLI_THEN(w->status, sp_participation(&m, bins, a->until, bin, w->err));
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", RATE, "low", RATE, "high", RATE, NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "modes", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "participation", "", "sd", "", "min", "", "max", "", NULL);
+    cli_zero_modes(w, &m.zero);
+    cli_comment(w, "nan: no mode in the bin; sd: fewer than two");
+    for (int32_t b = 0; b < bins && w->status == SP_OK; b++)
+        cli_row(w, 0.5 * (bin[b].low + bin[b].high), bin[b].low, bin[b].high, bin[b].modes, bin[b].mean, bin[b].sd,
+                bin[b].least, bin[b].largest);
     sp_modes_free(&m);
     sp_free(bin);
-    return w.status;
+    return w->status;
 }
 
 static void add_responses(const sp_harmonic *h, cli_writer *w) {
@@ -218,9 +213,8 @@ static void add_responses(const sp_harmonic *h, cli_writer *w) {
         const double *f = h->f + 2 * l, speed = travels ? h->omega[l] / fit->k : NAN;
         double q, q_err;
         sp_wave_quality(fit->k, fit->k_err, fit->alpha, fit->alpha_err, &q, &q_err);
-        w->status = sp_table_add_row(w->table, w->err, h->omega[l], hypot(f[0], f[1]), f[0], f[1], h->error[l], fit->k,
-                                     fit->k_err, speed, speed * fit->k_err / fit->k, fit->alpha, fit->alpha_err,
-                                     fit->misfit, q, q_err);
+        cli_row(w, h->omega[l], hypot(f[0], f[1]), f[0], f[1], h->error[l], fit->k, fit->k_err, speed,
+                speed * fit->k_err / fit->k, fit->alpha, fit->alpha_err, fit->misfit, q, q_err);
     }
 }
 
@@ -231,8 +225,7 @@ static void add_profile(const sp_harmonic *h, cli_writer *w) {
         for (int32_t k = 0; k < h->planes && w->status == SP_OK; k++) {
             const int64_t at = (int64_t)l * h->planes + k;
             const double *f = h->flux + 2 * at;
-            w->status = sp_table_add_row(w->table, w->err, h->omega[l], h->height[k], hypot(f[0], f[1]), f[0], f[1],
-                                         h->flux_error[at]);
+            cli_row(w, h->omega[l], h->height[k], hypot(f[0], f[1]), f[0], f[1], h->flux_error[at]);
         }
 }
 
@@ -272,34 +265,31 @@ static void report_refused(const sp_harmonic *h, cli_file *file, cli_writer *w) 
     file->failed = true;
 }
 
-static sp_status harmonic_rows(const arguments *a, cli_file *file, const sp_harmonic_options *o, sp_table *t,
-                               sp_error *err) {
+static sp_status harmonic_rows(const arguments *a, cli_file *file, const sp_harmonic_options *o, cli_writer *w) {
     sp_harmonic h = sp_harmonic_none();
-    cli_writer w = {.table = t, .err = err, .status = sp_harmonic_make(&file->network, o, &h, err)};
-    report_refused(&h, file, &w);
-    cli_comment(&w, "source = %s", cli_source_names[o->source]);
-    cli_damping_comment(&w, &a->damping);
-    cli_value(&w, "height", sp_packing_height(&file->packing));
-    cli_value(&w, "planes", h.planes);
-    cli_value(&w, "tolerance", o->tolerance);
+    w->status = sp_harmonic_make(&file->network, o, &h, w->err);
+    report_refused(&h, file, w);
+    cli_comment(w, "source = %s", cli_source_names[o->source]);
+    cli_damping_comment(w, &a->damping);
+    cli_value(w, "height", sp_packing_height(&file->packing));
+    cli_value(w, "planes", h.planes);
+    cli_value(w, "tolerance", o->tolerance);
     if (!a->profile && lacks_a_fit(&h))
-        cli_comment(&w, "nan: no wave could be fitted to the planes");
+        cli_comment(w, "nan: no wave could be fitted to the planes");
     if (a->profile)
-        add_profile(&h, &w);
+        add_profile(&h, w);
     else
-        add_responses(&h, &w);
+        add_responses(&h, w);
     sp_harmonic_free(&h);
-    return w.status;
+    return w->status;
 }
 
-static sp_status harmonic(const arguments *a, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status harmonic(const arguments *a, cli_file *file, cli_writer *w) {
     sp_harmonic_options o;
     double *omega = sp_alloc(FREQUENCIES_MAX, sizeof *omega);
-    sp_status status = omega ? SP_OK : sp_fail_memory(err, FREQUENCIES_MAX * sizeof *omega);
-    if (status == SP_OK)
-        status = set_harmonic(a, &file->network, omega, &o, err);
-    if (status == SP_OK)
-        status = harmonic_rows(a, file, &o, t, err);
+    sp_status status = omega ? SP_OK : sp_fail_memory(w->err, FREQUENCIES_MAX * sizeof *omega);
+    CLI_THEN(status, set_harmonic(a, &file->network, omega, &o, w->err));
+    CLI_THEN(status, harmonic_rows(a, file, &o, w));
     sp_free(omega);
     return status;
 }
@@ -312,39 +302,37 @@ static void continuum_columns(cli_writer *w) {
     cli_columns(w, SP_COLUMN_NUMBER, "omega_plane", RATE, "omega_continuum", RATE, "ratio", "", "overlap", "", NULL);
 }
 
-static sp_status continuum(const arguments *a, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status continuum(const arguments *a, cli_file *file, cli_writer *w) {
     const double threshold = 1e-4, margin = 3;
     sp_continuum c = sp_continuum_none();
     sp_statics s;
-    cli_writer w = {.table = t, .err = err, .status = sp_statics_make(&file->packing, threshold, margin, &s, err)};
+    w->status = sp_statics_make(&file->packing, threshold, margin, &s, w->err);
     double density;
-    if (w.status == SP_OK)
-        w.status = sp_packing_density(&file->packing, threshold, margin, &density, err);
-    if (w.status == SP_OK)
-        w.status = sp_continuum_make(&file->network, density, a->lowest, (sp_modes_solver)a->solver, &c, err);
-    if (w.status != SP_OK)
-        return w.status;
-    cli_value(&w, "Phi3s", s.phi3s);
-    cli_value(&w, "C11", c.moduli.c11);
-    cli_value(&w, "C12", c.moduli.c12);
-    cli_value(&w, "C22", c.moduli.c22);
-    cli_value(&w, "C33", c.moduli.c33);
-    continuum_columns(&w);
-    for (int32_t k = 0; k < c.n && w.status == SP_OK; k++) {
+    CLI_THEN(w->status, sp_packing_density(&file->packing, threshold, margin, &density, w->err));
+    CLI_THEN(w->status, sp_continuum_make(&file->network, density, a->lowest, (sp_modes_solver)a->solver, &c, w->err));
+    if (w->status != SP_OK)
+        return w->status;
+    cli_value(w, "Phi3s", s.phi3s);
+    cli_value(w, "C11", c.moduli.c11);
+    cli_value(w, "C12", c.moduli.c12);
+    cli_value(w, "C22", c.moduli.c22);
+    cli_value(w, "C33", c.moduli.c33);
+    continuum_columns(w);
+    for (int32_t k = 0; k < c.n && w->status == SP_OK; k++) {
         const sp_continuum_row *row = &c.row[k];
         const int64_t n1 = row->n1, n2 = row->n2;
-        w.status = sp_table_add_row(t, err, row->n, row->omega, n1, n2, row->fast ? "+" : "-", row->omega_plane,
-                                    row->omega_continuum, row->omega / row->omega_continuum, row->overlap);
+        cli_row(w, row->n, row->omega, n1, n2, row->fast ? "+" : "-", row->omega_plane, row->omega_continuum,
+                row->omega / row->omega_continuum, row->overlap);
     }
     sp_continuum_free(&c);
-    return w.status;
+    return w->status;
 }
 
 static const char *const kinds[] = {"dos",           "transmission", "dispersion", "harmonic",
                                     "participation", "continuum",    NULL};
 /* Each adds the columns, comments and rows of one kind. */
-static sp_status (*const tables[])(const arguments *a, cli_file *file, sp_table *t,
-                                   sp_error *err) = {dos, transmission, dispersion, harmonic, participation, continuum};
+static sp_status (*const tables[])(const arguments *a, cli_file *file,
+                                   cli_writer *w) = {dos, transmission, dispersion, harmonic, participation, continuum};
 
 #define FIELD(name) .field = offsetof(arguments, name)
 
@@ -409,25 +397,21 @@ static const cli_syntax syntax = {
         "  continuum      lowest modes compared with those of a homogeneous elastic strip\v"
         "All frequencies are angular frequencies, in sqrt(E* / rho)/d. Comments give the method, the resolution, and "
         "what is left out. --set takes keys of the group network.",
-    .finds_material = true,
+    CLI_ONE_PACKING,
     .options = options,
     .kinds = kinds,
     .kind_name = "kind of spectrum",
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = 1,
     .springs = true};
 
-static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     const arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
-    cli_comment(&w, "spectrum = %s", kinds[a->common.kind]);
-    cli_comment(&w, "file = %s", file->path);
-    cli_value(&w, "pressure", file->packing.pressure);
-    return w.status == SP_OK ? tables[a->common.kind](a, file, t, err) : w.status;
+    cli_comment(w, "spectrum = %s", kinds[a->common.kind]);
+    cli_comment(w, "file = %s", file->path);
+    cli_value(w, "pressure", file->packing.pressure);
+    return w->status == SP_OK ? tables[a->common.kind](a, file, w) : w->status;
 }
 
-/* ---- --dry-run -------------------------------------------------------------------------------------------------- */
+/* ---- --dry-run --------------------------------------------------------------------------------------------------- */
 
 enum { DOS = 0, TRANSMISSION, DISPERSION, HARMONIC, PARTICIPATION, CONTINUUM }; /* as in kinds */
 

@@ -195,16 +195,13 @@ static sp_status check_cell(const sp_scene *scene, sp_error *err) {
 static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
     const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
     sp_status status = cli_read_scene(&a->common, path, scene, err);
-    if (status == SP_OK)
-        status = sp_scene_check_sweeps(scene, err);
-    if (status == SP_OK)
-        status = check_cell(scene, err);
+    CLI_THEN(status, sp_scene_check_sweeps(scene, err));
+    CLI_THEN(status, check_cell(scene, err));
     if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
         status = cli_load_start(scene, from, err);
         a->study.from = from;
     }
-    if (status == SP_OK)
-        status = cli_take_material(a, &scene->material, path ? path : "the scene", err);
+    CLI_THEN(status, cli_take_material(a, &scene->material, path ? path : "the scene", err));
     if (status == SP_OK)
         cli_note_material(&a->common, scene);
     return status;
@@ -228,17 +225,14 @@ static sp_status plan(arguments *a, sp_scene *scene, sp_packing *from, sp_error 
     cli_plan plan;
     cli_tables tables;
     sp_status status = read_scene(a, scene, from, err);
-    if (status == SP_OK)
-        status = choose_tables(a, scene, &tables, err);
+    CLI_THEN(status, choose_tables(a, scene, &tables, err));
     if (status != SP_OK)
         return status;
     share_threads(a);
     status =
         cli_plan_begin(&a->common, 1U << SP_KERNEL_STEP | 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_SPARSE, &plan, err);
-    if (status == SP_OK)
-        status = cli_plan_study(&plan, scene, &a->study, a->store, err);
-    if (status == SP_OK)
-        status = cli_plan_end(&plan);
+    CLI_THEN(status, cli_plan_study(&plan, scene, &a->study, a->store, err));
+    CLI_THEN(status, cli_plan_end(&plan));
     cli_plan_free(&plan);
     return status;
 }
@@ -308,16 +302,12 @@ static sp_status make(arguments *a, sp_scene *scene, sp_packing *from, sp_store 
     sp_study_progress done = {0};
     cli_tables tables = {0};
     sp_status status = read_scene(a, scene, from, err);
-    if (status == SP_OK)
-        status = choose_tables(a, scene, &tables, err);
-    if (status == SP_OK)
-        status = sp_store_open(a->store, true, store, err);
-    if (status == SP_OK)
-        status = run(a, scene, *store, &done, err);
+    CLI_THEN(status, choose_tables(a, scene, &tables, err));
+    CLI_THEN(status, sp_store_open(a->store, true, store, err));
+    CLI_THEN(status, run(a, scene, *store, &done, err));
     status = cli_ranks_join(status, done.total > 0 ? watch : NULL, &a->common, &done, err);
     status = report(a, status, &done, err);
-    if (status == SP_OK)
-        status = check_complete(a, scene, *store, err);
+    CLI_THEN(status, check_complete(a, scene, *store, err));
     return status == SP_OK && tables.count > 0 && a->ranks.rank == 0 ? cli_tables_write(&tables, *store, err) : status;
 }
 

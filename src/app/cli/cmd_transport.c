@@ -115,15 +115,12 @@ static const cli_syntax syntax = {
         "plane upward in a unit of time (1/s in SI, shown as rad/s), and of it the work of normal forces, of "
         "tangential forces on the translation of the grains (sideways), and of their torques. For a single packing the "
         "errors are those of rounding.",
-    .finds_material = true,
+    CLI_PACKINGS,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = CLI_ANY_NUMBER,
     .springs = true,
     .kinds_by_option = quantity_names};
 
-/* ---- means ------------------------------------------------------------------------------------------------------ */
+/* ---- means ------------------------------------------------------------------------------------------------------- */
 
 static mean *means_at(const arguments *a, int32_t l) { return a->mean + (int64_t)l * VALUES_MAX; }
 
@@ -148,7 +145,7 @@ static double error_of(const mean *m) {
     return m->n > 1 ? sqrt(fmax(0, m->squares - m->sum * m->sum / n) / (n - 1) / n) : NAN;
 }
 
-/* ---- one packing ------------------------------------------------------------------------------------------------ */
+/* ---- one packing ------------------------------------------------------------------------------------------------- */
 
 /* Measures at frequency l, and adds to the means of it. */
 typedef sp_status (*measure)(const arguments *a, const sp_network *net, int32_t l, sp_error *err);
@@ -202,10 +199,8 @@ static sp_status measure_kubo(const arguments *a, const sp_network *net, sp_erro
     sp_modes modes = sp_modes_none();
     sp_kubo *k = sp_alloc((size_t)a->n, sizeof *k);
     sp_status status = k ? SP_OK : sp_fail_memory(err, (size_t)a->n * sizeof *k);
-    if (status == SP_OK)
-        status = sp_modes_dense(net, &mo, &modes, err);
-    if (status == SP_OK)
-        status = sp_kubo_make(net, &modes, a->n, a->omega, &o, k, err);
+    CLI_THEN(status, sp_modes_dense(net, &mo, &modes, err));
+    CLI_THEN(status, sp_kubo_make(net, &modes, a->n, a->omega, &o, k, err));
     for (int32_t l = 0; l < a->n && status == SP_OK; l++)
         add_kubo(a, &k[l], means_at(a, l));
     sp_modes_free(&modes);
@@ -304,13 +299,12 @@ static sp_status measure_packing(arguments *a, const sp_network *net, sp_error *
     }
 }
 
-static sp_status begin(void *user, sp_table *t, sp_error *err) {
+static sp_status begin(void *user, cli_writer *w) {
     arguments *a = user;
     const size_t values = (size_t)FREQUENCIES_MAX * VALUES_MAX;
-    (void)t;
     a->omega = sp_alloc(FREQUENCIES_MAX, sizeof *a->omega);
     a->mean = sp_alloc(values, sizeof *a->mean);
-    return a->omega && a->mean ? SP_OK : sp_fail_memory(err, values * sizeof *a->mean);
+    return a->omega && a->mean ? SP_OK : sp_fail_memory(w->err, values * sizeof *a->mean);
 }
 
 static sp_status choose_frequencies(arguments *a, const sp_network *net, sp_error *err) {
@@ -322,20 +316,19 @@ static sp_status choose_frequencies(arguments *a, const sp_network *net, sp_erro
     return SP_OK;
 }
 
-static sp_status add_packing(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_packing(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
-    (void)t;
     if (a->dim && a->dim != file->packing.dim)
-        return sp_fail(err, SP_EREFUSED, "has %d dimensions, the packings before it have %d", file->packing.dim,
+        return sp_fail(w->err, SP_EREFUSED, "has %d dimensions, the packings before it have %d", file->packing.dim,
                        a->dim);
     a->dim = file->packing.dim;
     if (a->axis > a->dim - 1)
-        return sp_fail(err, SP_EINVAL, "--axis=%s: the packing has %d dimensions", axis_names[a->axis], a->dim);
-    sp_status status = a->n == 0 ? choose_frequencies(a, &file->network, err) : SP_OK;
-    return status == SP_OK ? measure_packing(a, &file->network, err) : status;
+        return sp_fail(w->err, SP_EINVAL, "--axis=%s: the packing has %d dimensions", axis_names[a->axis], a->dim);
+    sp_status status = a->n == 0 ? choose_frequencies(a, &file->network, w->err) : SP_OK;
+    return status == SP_OK ? measure_packing(a, &file->network, w->err) : status;
 }
 
-/* ---- the table -------------------------------------------------------------------------------------------------- */
+/* ---- the table --------------------------------------------------------------------------------------------------- */
 
 /* The values of a quantity, in the order in which they are measured. */
 typedef struct column {
@@ -383,8 +376,7 @@ static void add_row(const column *c, const mean *m, int at, double *row, cli_wri
             row[at++] = error_of(m);
     }
     row[at] = (double)first->n;
-    if (w->status == SP_OK)
-        w->status = sp_table_add_numbers(w->table, row, w->err);
+    CLI_THEN(w->status, sp_table_add_numbers(w->table, row, w->err));
 }
 
 static void print_values(const arguments *a, cli_writer *w) {
@@ -423,26 +415,24 @@ static void print_coherent(const arguments *a, cli_writer *w) {
     for (int32_t l = 0; l < a->n && w->status == SP_OK; l++) {
         const mean *m = means_at(a, l);
         const sp_free_path *p = &path[l];
-        w->status = sp_table_add_row(w->table, w->err, a->omega[l], value_of(&m[0]), error_of(&m[0]), value_of(&m[1]),
-                                     error_of(&m[1]), p->path, p->path_err, p->low, p->k_path, p->k_path_err,
-                                     value_of(&m[2]), m->n);
+        cli_row(w, a->omega[l], value_of(&m[0]), error_of(&m[0]), value_of(&m[1]), error_of(&m[1]), p->path,
+                p->path_err, p->low, p->k_path, p->k_path_err, value_of(&m[2]), m->n);
     }
 }
 
-static sp_status add_rows(void *user, sp_table *t, sp_error *err) {
+static sp_status add_rows(void *user, cli_writer *w) {
     arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
-    cli_comment(&w, "packings = %d", a->common.files);
-    cli_comment(&w, "dimension = %d", a->dim);
-    cli_comment(&w, "quantity = %s", quantity_names[a->common.kind]);
+    cli_comment(w, "packings = %d", a->common.files);
+    cli_comment(w, "dimension = %d", a->dim);
+    cli_comment(w, "quantity = %s", quantity_names[a->common.kind]);
     if (a->common.kind == COHERENT)
-        cli_comment(&w, "motion = %s", a->section.shear ? "shear" : "compression");
+        cli_comment(w, "motion = %s", a->section.shear ? "shear" : "compression");
     else if (a->common.kind <= KUBO)
-        cli_comment(&w, "axis = %s", a->common.kind == KUBO && a->axis == 0 ? "mean" : axis_names[a->axis]);
+        cli_comment(w, "axis = %s", a->common.kind == KUBO && a->axis == 0 ? "mean" : axis_names[a->axis]);
     for (int32_t k = 0; k < FREQUENCIES_MAX * VALUES_MAX; k++)
         a->mean[k].few = 2 * a->mean[k].n < a->common.files;
-    (a->common.kind == COHERENT ? print_coherent : print_values)(a, &w);
-    return w.status;
+    (a->common.kind == COHERENT ? print_coherent : print_values)(a, w);
+    return w->status;
 }
 
 int cmd_transport(int argc, char **argv) {

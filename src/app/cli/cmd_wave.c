@@ -54,22 +54,18 @@ static const cli_syntax syntax = {
         "is scattered waves. samples: number of packings for which the fit succeeded. k_shift and alpha_shift: "
         "change of the means when only the first half of the record is used, which is usually more than the effect "
         "of the end of the record. The packings should have the same material and pressure.",
-    .finds_material = true,
+    CLI_PACKINGS,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = CLI_ANY_NUMBER,
     .springs = true};
 
-static sp_status begin(void *user, sp_table *t, sp_error *err) {
+static sp_status begin(void *user, cli_writer *w) {
     arguments *a = user;
-    (void)t;
     a->section.damping = a->damping.value;
     a->section.damping_kind = a->damping.kind;
     a->section.damping_ratio = a->damping.ratio;
     a->omega = sp_alloc(FREQUENCIES_MAX, sizeof *a->omega);
     a->sum = sp_alloc(FREQUENCIES_MAX, sizeof *a->sum);
-    return a->omega && a->sum ? SP_OK : sp_fail_memory(err, FREQUENCIES_MAX * (sizeof *a->omega + sizeof *a->sum));
+    return a->omega && a->sum ? SP_OK : sp_fail_memory(w->err, FREQUENCIES_MAX * (sizeof *a->omega + sizeof *a->sum));
 }
 
 static void add_fit(sums *s, const sp_coherent_wave *c) {
@@ -103,20 +99,19 @@ static sp_status choose_frequencies(arguments *a, const sp_network *net, const s
     return SP_OK;
 }
 
-static sp_status add_packing(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_packing(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     sp_coherent_section s = sp_coherent_section_none();
     sp_coherent_wave fit;
-    (void)t;
     if (a->dim && a->dim != file->packing.dim)
-        return sp_fail(err, SP_EREFUSED, "has %d dimensions, the packings before it have %d", file->packing.dim,
+        return sp_fail(w->err, SP_EREFUSED, "has %d dimensions, the packings before it have %d", file->packing.dim,
                        a->dim);
     a->dim = file->packing.dim;
-    sp_status status = sp_coherent_section_make(&file->network, &a->section, &s, err);
+    sp_status status = sp_coherent_section_make(&file->network, &a->section, &s, w->err);
     if (status == SP_OK && a->n == 0)
-        status = choose_frequencies(a, &file->network, &s, err);
+        status = choose_frequencies(a, &file->network, &s, w->err);
     for (int32_t l = 0; l < a->n && status == SP_OK; l++) {
-        status = sp_coherent_fit(&s, a->omega[l], &fit, err);
+        status = sp_coherent_fit(&s, a->omega[l], &fit, w->err);
         if (status == SP_OK)
             add_fit(&a->sum[l], &fit);
     }
@@ -136,30 +131,28 @@ static void explain(const arguments *a) {
                  none, a->n);
 }
 
-static sp_status add_rows(void *user, sp_table *t, sp_error *err) {
+static sp_status add_rows(void *user, cli_writer *w) {
     const arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
     explain(a);
-    cli_comment(&w, "packings = %d", a->common.files);
-    cli_comment(&w, "dimension = %d", a->dim);
-    cli_comment(&w, "source = %s", cli_source_names[a->section.source]);
+    cli_comment(w, "packings = %d", a->common.files);
+    cli_comment(w, "dimension = %d", a->dim);
+    cli_comment(w, "source = %s", cli_source_names[a->section.source]);
     if (a->damping.value > 0)
-        cli_damping_comment(&w, &a->damping);
-    cli_columns(&w, SP_COLUMN_NUMBER, "omega", "sqrt(E* / rho)/d", "k", "1/d", "k_err", "1/d", "speed",
-                "sqrt(E* / rho)", "speed_err", "sqrt(E* / rho)", "alpha", "1/d", "alpha_err", "1/d", "part", "", NULL);
-    cli_columns(&w, SP_COLUMN_INTEGER, "samples", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "k_shift", "1/d", "alpha_shift", "1/d", "Q", "", "Q_err", "", NULL);
-    for (int32_t l = 0; l < a->n && w.status == SP_OK; l++) {
+        cli_damping_comment(w, &a->damping);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", "sqrt(E* / rho)/d", "k", "1/d", "k_err", "1/d", "speed", "sqrt(E* / rho)",
+                "speed_err", "sqrt(E* / rho)", "alpha", "1/d", "alpha_err", "1/d", "part", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "samples", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "k_shift", "1/d", "alpha_shift", "1/d", "Q", "", "Q_err", "", NULL);
+    for (int32_t l = 0; l < a->n && w->status == SP_OK; l++) {
         const sums *s = &a->sum[l];
         const double k = mean(s->k, s->n), k_err = error_of_mean(s->k, s->kk, s->n), speed = a->omega[l] / k,
                      alpha = mean(s->alpha, s->n), alpha_err = error_of_mean(s->alpha, s->aa, s->n);
         double q, q_err;
         sp_wave_quality(k, k_err, alpha, alpha_err, &q, &q_err);
-        w.status =
-            sp_table_add_row(t, err, a->omega[l], k, k_err, speed, speed * k_err / k, alpha, alpha_err,
-                             mean(s->part, s->n), s->n, mean(s->k_shift, s->n), mean(s->alpha_shift, s->n), q, q_err);
+        cli_row(w, a->omega[l], k, k_err, speed, speed * k_err / k, alpha, alpha_err, mean(s->part, s->n), s->n,
+                mean(s->k_shift, s->n), mean(s->alpha_shift, s->n), q, q_err);
     }
-    return w.status;
+    return w->status;
 }
 
 int cmd_wave(int argc, char **argv) {

@@ -39,9 +39,9 @@ static double rounded(double value) {
 }
 
 static void add_row(cli_plan *plan, const char *what, int64_t count, sp_cost cost, double bytes) {
-    if (plan->w.status == SP_OK)
-        plan->w.status = sp_table_add_row(&plan->table, plan->w.err, what, count, rounded(cost.cpu), rounded(cost.wall),
-                                          rounded(1e-6 * (program + cost.memory)), rounded(1e-6 * bytes));
+    CLI_THEN(plan->w.status,
+             sp_table_add_row(&plan->table, plan->w.err, what, count, rounded(cost.cpu), rounded(cost.wall),
+                              rounded(1e-6 * (program + cost.memory)), rounded(1e-6 * bytes)));
 }
 
 void cli_plan_add(cli_plan *plan, const char *what, int64_t count, sp_cost cost, double bytes) {
@@ -61,8 +61,7 @@ sp_status cli_plan_end(cli_plan *plan) {
     if (program + plan->total.memory > 0.5 * sp_memory_limit()) /* what is expected is within a factor of 2 */
         cli_comment(&plan->w, "warning: there are %.3g MB of memory, which may be too little",
                     1e-6 * sp_memory_limit());
-    if (plan->w.status == SP_OK)
-        plan->w.status = cli_write_table_to(plan->common, NULL, &plan->table, plan->w.err);
+    CLI_THEN(plan->w.status, cli_write_table_to(plan->common, NULL, &plan->table, plan->w.err));
     return plan->w.status;
 }
 

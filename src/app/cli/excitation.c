@@ -118,8 +118,7 @@ sp_status cli_pulse_open(cli_pulse *p, sp_error *err) {
     if (p->pulse.kind != SP_PULSE_TABLE || p->points)
         return SP_OK;
     sp_status status = sp_table_read(path, &t, err);
-    if (status == SP_OK)
-        status = take_points(p, path, &t, err);
+    CLI_THEN(status, take_points(p, path, &t, err));
     sp_table_free(&t);
     return status;
 }

@@ -69,7 +69,9 @@ sp_status cli_read_network(const char *path, const sp_network_options *opt, sp_p
     return status;
 }
 
-static sp_status add_file(const cli_files *command, void *arguments, cli_file *f, sp_table *t, sp_error *err) {
+/* Adds the rows of one file, or to a plan what it would take. */
+static sp_status do_file(const cli_files *command, void *arguments, cli_file *f, cli_plan *plan, cli_writer *w) {
+    sp_error *err = w->err;
     sp_status status = SP_OK;
     f->packing = sp_packing_none();
     f->network = sp_network_none();
@@ -77,12 +79,12 @@ static sp_status add_file(const cli_files *command, void *arguments, cli_file *f
         status = cli_read_network(f->path, &f->scene->network, &f->packing, &f->network, err);
     else if (command->contents == CLI_PACKING)
         status = sp_packing_read(f->path, &f->packing, err);
-    if (status == SP_OK && command->contents != CLI_PATH)
-        status = cli_take_material(arguments, &f->packing.material, f->path, err);
+    if (command->contents != CLI_PATH)
+        CLI_THEN(status, cli_take_material(arguments, &f->packing.material, f->path, err));
     if (status == SP_OK && command->contents == CLI_NETWORK)
         cli_warn_packing(arguments, f->path, &f->packing, &f->network);
     if (status == SP_OK) {
-        status = command->add(arguments, f, t, err);
+        status = plan ? command->plan(arguments, f, plan, err) : command->add(arguments, f, w);
         /* of a single file SP_EINVAL is about an option, and needs no file name */
         if (status != SP_OK && command->contents != CLI_PATH && !(command->stop && status == SP_EINVAL))
             sp_fail_prefix(err, "%s", f->path);
@@ -99,56 +101,24 @@ static void tell(const cli_common *common, int next, double begun) {
         cli_progress(common, common->file[next], share, spent * (1 - share) / share);
 }
 
-static sp_status add_files(const cli_files *command, void *arguments, const sp_scene *scene, sp_table *t, bool *failed,
-                           sp_error *err) {
+static sp_status do_files(const cli_files *command, void *arguments, const sp_scene *scene, cli_plan *plan,
+                          cli_writer *w, bool *failed) {
     const cli_common *common = arguments;
     const double begun = sp_clock_wall();
-    for (int k = 0; k < common->files; k++) {
+    sp_status status = SP_OK;
+    for (int k = 0; k < common->files && !(status != SP_OK && command->stop); k++) {
         tell(common, k, begun);
         cli_file f = {.path = common->file[k], .scene = scene};
         sp_error reason = {0};
-        const sp_status status = add_file(command, arguments, &f, t, &reason);
-        if (status != SP_OK && command->stop) {
-            cli_progress_end();
-            *err = reason;
-            return status;
-        }
-        if (status != SP_OK)
+        status = do_file(command, arguments, &f, plan, &(cli_writer){.table = w->table, .err = &reason});
+        if (status != SP_OK && command->stop)
+            *w->err = reason;
+        else if (status != SP_OK)
             cli_fail(&reason);
         *failed = *failed || f.failed || status != SP_OK;
     }
     cli_progress_end();
-    return SP_OK;
-}
-
-static sp_status plan_file(const cli_files *command, void *arguments, cli_file *f, cli_plan *plan, sp_error *err) {
-    f->packing = sp_packing_none();
-    f->network = sp_network_none();
-    sp_status status = cli_read_network(f->path, &f->scene->network, &f->packing, &f->network, err);
-    if (status == SP_OK)
-        status = cli_take_material(arguments, &f->packing.material, f->path, err);
-    if (status == SP_OK)
-        cli_warn_packing(arguments, f->path, &f->packing, &f->network);
-    if (status == SP_OK)
-        status = command->plan(arguments, f, plan, err);
-    sp_network_free(&f->network);
-    sp_packing_free(&f->packing);
-    return status;
-}
-
-static int plan_files(const cli_files *command, void *arguments, const sp_scene *scene) {
-    const cli_common *common = arguments;
-    sp_error err = {0};
-    cli_plan plan;
-    sp_status status = cli_plan_begin(common, command->kernels, &plan, &err);
-    for (int k = 0; k < common->files && status == SP_OK; k++) {
-        cli_file f = {.path = common->file[k], .scene = scene};
-        status = plan_file(command, arguments, &f, &plan, &err);
-    }
-    if (status == SP_OK)
-        status = cli_plan_end(&plan);
-    cli_plan_free(&plan);
-    return status == SP_OK ? CLI_OK : cli_fail(&err);
+    return command->stop ? status : SP_OK;
 }
 
 int cli_run_files(const cli_files *command, void *arguments) {
@@ -156,26 +126,26 @@ int cli_run_files(const cli_files *command, void *arguments) {
     sp_scene scene = sp_scene_default();
     sp_table t = sp_table_none();
     sp_error err = {0};
+    cli_writer w = {.table = &t, .err = &err};
+    cli_plan plan = {.table = sp_table_none()};
     bool failed = false;
-    sp_status status = cli_may_write_table(common, &err);
-    if (status == SP_OK)
-        status = cli_scene_of_sets(common, command->groups, &scene, &err);
-    if (status == SP_OK && scene.material.young > 0)
-        status = cli_take_material(arguments, &scene.material, "--set", &err);
-    if (status == SP_OK && common->dry_run) {
-        const int done = plan_files(command, arguments, &scene);
-        sp_scene_free(&scene);
-        return done;
-    }
-    if (status == SP_OK && command->begin)
-        status = command->begin(arguments, &t, &err);
-    if (status == SP_OK)
-        status = add_files(command, arguments, &scene, &t, &failed, &err);
-    if (status == SP_OK && command->end)
-        status = command->end(arguments, &t, &err);
-    if (status == SP_OK && (t.rows > 0 || command->stop))
-        status = cli_write_table(common, &t, &err);
+    w.status = cli_may_write_table(common, &err);
+    CLI_THEN(w.status, cli_scene_of_sets(common, command->groups, &scene, &err));
+    if (scene.material.young > 0)
+        CLI_THEN(w.status, cli_take_material(arguments, &scene.material, "--set", &err));
+    if (common->dry_run)
+        CLI_THEN(w.status, cli_plan_begin(common, command->kernels, &plan, &err));
+    else if (command->begin)
+        CLI_THEN(w.status, command->begin(arguments, &w));
+    CLI_THEN(w.status, do_files(command, arguments, &scene, common->dry_run ? &plan : NULL, &w, &failed));
+    if (common->dry_run)
+        CLI_THEN(w.status, cli_plan_end(&plan));
+    else if (command->end)
+        CLI_THEN(w.status, command->end(arguments, &w));
+    if (!common->dry_run && (t.rows > 0 || command->stop))
+        CLI_THEN(w.status, cli_write_table(common, &t, &err));
+    cli_plan_free(&plan);
     sp_table_free(&t);
     sp_scene_free(&scene);
-    return status != SP_OK ? cli_fail(&err) : failed ? CLI_FAILED : CLI_OK;
+    return w.status != SP_OK ? cli_fail(&err) : failed ? CLI_FAILED : CLI_OK;
 }

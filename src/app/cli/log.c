@@ -152,7 +152,7 @@ void cli_progress_end(void) {
     pthread_mutex_unlock(&lock);
 }
 
-/* ---- commands that tell nothing themselves ---------------------------------------------------------------------- */
+/* ---- commands that tell nothing themselves ----------------------------------------------------------------------- */
 
 static bool watching; /* under the lock */
 

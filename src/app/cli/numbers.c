@@ -63,14 +63,13 @@ sp_status cli_pair(const char *option, const char *text, double low, double high
     if (!colon)
         return sp_fail(err, SP_EINVAL, "%s %.60s: must be LOW:HIGH", option, text);
     sp_status status = part_number(option, text, (size_t)(colon - text), low, high, &out[0], err);
-    if (status == SP_OK)
-        status = part_number(option, colon + 1, strlen(colon + 1), low, high, &out[1], err);
+    CLI_THEN(status, part_number(option, colon + 1, strlen(colon + 1), low, high, &out[1], err));
     if (status == SP_OK && !(out[0] < out[1]))
         status = sp_fail(err, SP_EINVAL, "%s %.60s: LOW must be below HIGH", option, text);
     return status;
 }
 
-/* ---- words ------------------------------------------------------------------------------------------------------ */
+/* ---- words ------------------------------------------------------------------------------------------------------- */
 
 const char *const cli_source_names[] = {[SP_SOURCE_IMPULSE] = "impulse",
                                         [SP_SOURCE_VELOCITY] = "velocity",
@@ -122,7 +121,7 @@ int cli_nearest(const char *word, const char *(*name)(int k, const void *user), 
     return near;
 }
 
-/* ---- frequencies ------------------------------------------------------------------------------------------------ */
+/* ---- frequencies ------------------------------------------------------------------------------------------------- */
 
 static const double frequency_low = 1e-12, frequency_high = 1e9;
 
@@ -139,8 +138,7 @@ static sp_status parse_range(const char *text, int32_t capacity, int32_t *n, dou
     if (!two || strlen(pair) < (size_t)(two - text))
         return wrong_frequencies(text, err);
     sp_status status = cli_pair("--at", pair, frequency_low, frequency_high, range, err);
-    if (status == SP_OK)
-        status = cli_integer("--at: N", two + 1, 2, capacity, &count, err);
+    CLI_THEN(status, cli_integer("--at: N", two + 1, 2, capacity, &count, err));
     if (status != SP_OK)
         return status;
     *n = (int32_t)count;

@@ -14,7 +14,7 @@
 
 enum { FIRST_KEY = 0x1000, USAGE_KEY = 0x2000, OPTIONS_MAX = 60, THREADS_MAX = 4096 };
 
-/* ---- options of many commands ----------------------------------------------------------------------------------- */
+/* ---- options of many commands ------------------------------------------------------------------------------------ */
 
 static const char *const format_words[] = {[SP_TSV] = "tsv", [SP_CSV] = "csv", [SP_JSON] = "json", NULL};
 static const char *const units_words[] = {[CLI_UNITS_OWN] = "own", [CLI_UNITS_SI] = "si", NULL};
@@ -77,7 +77,7 @@ static int cores(void) {
     return online > 0 && online <= THREADS_MAX ? (int)online : 1;
 }
 
-/* ---- the command line ------------------------------------------------------------------------------------------- */
+/* ---- the command line -------------------------------------------------------------------------------------------- */
 
 /* A command line while argp reads it. The key of option k is FIRST_KEY + k, or its letter. */
 typedef struct reading {
@@ -254,7 +254,7 @@ static sp_status check_arguments(const reading *r, sp_error *err) {
     return status;
 }
 
-/* ---- words of the command line before argp reads them ----------------------------------------------------------- */
+/* ---- words of the command line before argp reads them ------------------------------------------------------------ */
 
 /* The row of argp whose long name a word is or begins, as argp takes it; -1: none, -2: several. */
 static int find_long(const reading *r, const char *word, size_t length) {

@@ -18,7 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- kinds of files --------------------------------------------------------------------------------------------- */
+/* ---- kinds of files ---------------------------------------------------------------------------------------------- */
 
 typedef enum file_kind {
     KIND_UNKNOWN,
@@ -163,7 +163,7 @@ sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
     return sp_pack_spec_from(&scene->pack, from, err);
 }
 
-/* ---- tables ----------------------------------------------------------------------------------------------------- */
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
 
 static sp_status table_format(const cli_common *common, sp_table_format *out, sp_error *err) {
     static const char *const names[] = {[SP_TSV] = ".tsv", [SP_CSV] = ".csv", [SP_JSON] = ".json"};
@@ -221,8 +221,7 @@ static sp_status write_foreign(const cli_common *common, const sp_table *t, sp_e
     sp_status status = cli_foreign_files(t, common->output, &files, err);
     for (int k = 0; k < files && files > 1 && status == SP_OK; k++) {
         status = cli_foreign_name(t, common->output, k, name, err);
-        if (status == SP_OK)
-            status = cli_may_write(common, name, err);
+        CLI_THEN(status, cli_may_write(common, name, err));
     }
     return status == SP_OK ? cli_foreign_write(t, common->output, err) : status;
 }
@@ -236,10 +235,8 @@ sp_status cli_write_table_to(const cli_common *to, const char *path, sp_table *t
 sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) {
     sp_table_format format;
     sp_status status = table_format(common, &format, err);
-    if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "sonopack %s", SONOPACK_VERSION);
-    if (status == SP_OK)
-        status = cli_convert_table(common, t, err);
+    CLI_THEN(status, sp_table_add_comment(t, err, "sonopack %s", SONOPACK_VERSION));
+    CLI_THEN(status, cli_convert_table(common, t, err));
     if (status == SP_OK && common->output && cli_is_foreign_table(common->output))
         return write_foreign(common, t, err);
     if (status != SP_OK)
@@ -280,8 +277,7 @@ void cli_comment(cli_writer *w, const char *format, ...) {
     va_start(list, format);
     vsnprintf(line, sizeof line, format, list);
     va_end(list);
-    if (w->status == SP_OK)
-        w->status = sp_table_add_comment(w->table, w->err, "%s", line);
+    CLI_THEN(w->status, sp_table_add_comment(w->table, w->err, "%s", line));
 }
 
 void cli_value(cli_writer *w, const char *key, double value) {
@@ -317,7 +313,20 @@ void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbo
 }
 
 void cli_end_row(cli_writer *w) {
-    if (w->status == SP_OK)
-        w->status = sp_table_add_cells(w->table, w->cell, w->err);
+    CLI_THEN(w->status, sp_table_add_cells(w->table, w->cell, w->err));
     w->cells = 0;
+}
+
+sp_status cli_row(cli_writer *w, ...) {
+    va_list list;
+    va_start(list, w);
+    for (int c = 0; w->status == SP_OK && c < w->table->columns; c++)
+        switch (w->table->column[c].kind) {
+        case SP_COLUMN_INTEGER: w->cell[c].integer = va_arg(list, int64_t); break;
+        case SP_COLUMN_NUMBER: w->cell[c].number = va_arg(list, double); break;
+        case SP_COLUMN_TEXT: w->cell[c].text = va_arg(list, char *); break;
+        }
+    va_end(list);
+    cli_end_row(w);
+    return w->status;
 }

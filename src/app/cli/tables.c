@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- cases ------------------------------------------------------------------------------------------------------ */
+/* ---- cases ------------------------------------------------------------------------------------------------------- */
 
 const char *const cli_table_names[CLI_TABLES + 1] = {"ctof",   "scaling",  "planes",   "statics", "moduli",
                                                      "probes", "spectrum", "ensemble", "signal",  NULL};
@@ -93,7 +93,7 @@ static void case_text(const char *table, const sp_scene *scene, int64_t c, char 
     }
 }
 
-/* ---- files ------------------------------------------------------------------------------------------------------ */
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
 /* The file of table k of case c. The very first table goes to the file of -o itself. */
 static sp_status path_of(const cli_tables *tables, int k, int64_t c, char path[SP_PATH_MAX], sp_error *err) {
@@ -123,8 +123,7 @@ sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err) {
             char path[SP_PATH_MAX];
             common.output = path;
             status = path_of(tables, k, c, path, err);
-            if (status == SP_OK)
-                status = cli_may_write_table(&common, err);
+            CLI_THEN(status, cli_may_write_table(&common, err));
         }
     return status;
 }
@@ -138,14 +137,13 @@ static sp_status write_table(const cli_tables *tables, int k, int64_t c, const c
         return cli_write_table(tables->common, t, err);
     }
     sp_status status = path_of(tables, k, c, path, err);
-    if (status == SP_OK)
-        status = cli_write_table_to(tables->common, path, t, err);
+    CLI_THEN(status, cli_write_table_to(tables->common, path, t, err));
     if (status == SP_OK && (tables->count > 1 || *of))
         cli_note(tables->common, "table %s%s: %s", tables->name[k], of, path);
     return status;
 }
 
-/* ---- samples ---------------------------------------------------------------------------------------------------- */
+/* ---- samples ----------------------------------------------------------------------------------------------------- */
 
 /* The samples of a table. */
 typedef struct choice {
@@ -240,7 +238,7 @@ static sp_status choose(const sp_scene *scene, const choice *all, choice *out, s
     return status;
 }
 
-/* ---- the filter ------------------------------------------------------------------------------------------------- */
+/* ---- the filter -------------------------------------------------------------------------------------------------- */
 
 cli_filter cli_filter_none(void) { return (cli_filter){.width = NAN, .pressure = NAN, .friction = NAN}; }
 
@@ -269,7 +267,7 @@ static int64_t filter(const cli_filter *f, int64_t n, sp_sample *all) {
     return kept;
 }
 
-/* ---- writing ---------------------------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 /* With a filter, samples that it leaves out would be counted as well. */
 static sp_status add_missing(const cli_tables *tables, int64_t missing, sp_table *t, sp_error *err) {
@@ -307,23 +305,19 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, const st
     const bool copied = tables->scene && all->cases > 1;
     if (copied) {
         status = case_scene(name, tables->scene, c, &one, err);
-        if (status == SP_OK)
-            status = choose(&one, &all->of, &chosen, err);
+        CLI_THEN(status, choose(&one, &all->of, &chosen, err));
     } else {
         chosen = all->of;
     }
     sp_table t = sp_table_none();
     if (status == SP_OK && chosen.n == 0 && tables->scene && is_filter(&tables->filter))
         goto out; /* the filter selects another case */
-    if (status == SP_OK)
-        status = make_table(tables, name, all, &chosen, &t, err);
+    CLI_THEN(status, make_table(tables, name, all, &chosen, &t, err));
     if (status == SP_OK && tables->scene)
         status = add_case(&t, name, tables->scene, c, err);
-    if (status == SP_OK)
-        status = add_missing(tables, chosen.missing, &t, err);
+    CLI_THEN(status, add_missing(tables, chosen.missing, &t, err));
     case_text(name, tables->scene, c, of, sizeof of);
-    if (status == SP_OK)
-        status = write_table(tables, k, (*written)++, of, &t, err);
+    CLI_THEN(status, write_table(tables, k, (*written)++, of, &t, err));
 out:
     sp_table_free(&t);
     if (copied)
@@ -390,8 +384,7 @@ sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *
     if (bad > 0)
         cli_note(tables->common, "%lld files of the store are not used: %s", (long long)bad, reason.text);
     status = select_samples(tables, &all.of, err);
-    if (status == SP_OK)
-        status = write_all(tables, &all, err);
+    CLI_THEN(status, write_all(tables, &all, err));
     sp_free(all.of.sample);
     return status;
 }

@@ -21,7 +21,7 @@ bool cli_is_foreign_table(const char *path) {
     return has_ending(path, ".mat") || has_ending(path, ".sac") || has_ending(path, ".slist");
 }
 
-/* ---- the files -------------------------------------------------------------------------------------------------- */
+/* ---- the files --------------------------------------------------------------------------------------------------- */
 
 /* Signals need equal intervals, within rounding. */
 static sp_status check_times(const sp_table *t, const char *path, sp_error *err) {
@@ -52,7 +52,7 @@ sp_status cli_foreign_name(const sp_table *t, const char *path, int k, char name
     return length < SP_PATH_MAX ? SP_OK : sp_fail(err, SP_EINVAL, "%.100s: the name is too long", path);
 }
 
-/* ---- signals ---------------------------------------------------------------------------------------------------- */
+/* ---- signals ----------------------------------------------------------------------------------------------------- */
 
 /* Units of time in seconds. */
 static double seconds(const char *unit) {
@@ -133,8 +133,7 @@ static sp_status write_sac(const sp_table *t, int count, const sp_trace *trace, 
     sp_status status = SP_OK;
     for (int k = 0; k < count && status == SP_OK; k++) {
         status = cli_foreign_name(t, path, k, name, err);
-        if (status == SP_OK)
-            status = sp_trace_save_sac(&trace[k], name, err);
+        CLI_THEN(status, sp_trace_save_sac(&trace[k], name, err));
     }
     return status;
 }
@@ -148,9 +147,8 @@ sp_status cli_foreign_write(const sp_table *t, const char *path, sp_error *err) 
     sp_status status = text && trace ? SP_OK : sp_fail_memory(err, (size_t)count * (sizeof *text + sizeof *trace));
     for (int k = 0; k < count && status == SP_OK; k++)
         status = make_trace(t, k + 1, &text[k], &trace[k], err);
-    if (status == SP_OK)
-        status = has_ending(path, ".sac") ? write_sac(t, count, trace, path, err)
-                                          : sp_traces_save_slist(count, trace, path, err);
+    CLI_THEN(status, has_ending(path, ".sac") ? write_sac(t, count, trace, path, err)
+                                              : sp_traces_save_slist(count, trace, path, err));
     for (int k = 0; text && k < count; k++)
         sp_free(text[k].value);
     sp_free(text);

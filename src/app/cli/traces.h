@@ -3,6 +3,7 @@
 /* Tables in the files of other programs: any table as a MAT-file, tables of signals as SAC or SLIST. */
 
 #include "base/file.h"
+#include "cli/cli.h"
 
 #include <sonopack/study/export_file.h>
 #include <stdbool.h>

@@ -77,8 +77,7 @@ static sp_status verify(verification *v, sp_store *store, const sp_scene *scene,
         status = scene_names(scene, &check, &name, err);
     if (status == SP_OK && scene)
         v->expected = check.names;
-    if (status == SP_OK)
-        status = sp_store_verify(store, &check, err);
+    CLI_THEN(status, sp_store_verify(store, &check, err));
     if (v->status != SP_OK) {
         status = v->status;
         *err = v->error;
@@ -92,15 +91,13 @@ sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *
     verification v = {.common = common, .table = sp_table_none(), .begun = sp_clock_wall()};
     sp_store *store = NULL;
     sp_status status = cli_may_write_table(common, err);
-    if (status == SP_OK)
-        status = sp_store_open(dir, false, &store, err);
+    CLI_THEN(status, sp_store_open(dir, false, &store, err));
     if (status == SP_OK) {
         cli_catch_signals(common);
         status = verify(&v, store, scene, tolerance, jobs, err);
         cli_progress_end();
     }
-    if (status == SP_OK)
-        status = cli_write_table(common, &v.table, err);
+    CLI_THEN(status, cli_write_table(common, &v.table, err));
     if (status == SP_OK)
         cli_note(common, "%lld samples are sound, %lld are recorded as failed, %lld files are not ok",
                  (long long)v.samples, (long long)v.failed, (long long)v.bad);
