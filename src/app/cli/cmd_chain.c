@@ -95,18 +95,15 @@ static const cli_syntax syntax = {
         "packing.kind = chain, from an impulse (A) or a displacement (B).\n"
         "\n"
         "A solitary wave of Hertzian balls keeps its form without walls. Its peak is its largest additional overlap "
-        "over "
-        "the overlap delta0 at rest, force its largest force over that at rest, speed is in c, velocity the largest of "
-        "a "
-        "ball in c delta0/l, width the balls between the places of half the peak. kdv and kdv_width are those of long "
-        "and weak waves (Korteweg and de Vries), nesterenko is the speed of long waves of any strength. speed_at_peak "
-        "and velocity_at_peak are the same in units of a chain that rests with the overlap of the peak; with the peak "
-        "inf only these are finite.\n"
+        "over the overlap delta0 at rest, force its largest force over that at rest, speed is in c, velocity the "
+        "largest of a ball in c delta0/l, width the balls between the places of half the peak. kdv and kdv_width are "
+        "those of long and weak waves (Korteweg and de Vries), nesterenko is the speed of long waves of any strength. "
+        "speed_at_peak and velocity_at_peak are the same in units of a chain that rests with the overlap of the peak; "
+        "with the peak inf only these are finite.\n"
         "\n"
         "localisation: gamma with its standard error from 32 parts of the chain (of 10^6 balls without --grains), at "
-        "least 1/N, "
-        "length = 1/gamma, and law = omega^2 <dm^2>/(8 K <m>), which holds for low frequencies (Matsuda and Ishii "
-        "1970). If gamma is not above twice its error, length is nan and length_low is a lower bound.",
+        "least 1/N, length = 1/gamma, and law = omega^2 <dm^2>/(8 K <m>), which holds for low frequencies (Matsuda "
+        "and Ishii 1970). If gamma is not above twice its error, length is nan and length_low is a lower bound.",
     .options = options,
     .kinds = kinds,
     .kind_name = "kind of table",

@@ -17,20 +17,21 @@ static const cli_option options[] = {{"tolerance", "EPS", "Largest relative erro
 
 static const cli_syntax syntax = {
     .usage = "FILE...",
-    .help = "Checks packings: structure, overlaps, contact forces, balance of forces and torques, Coulomb's condition, "
-            "and the force on the walls.\v"
-            "residual is the largest of the relative errors, and reason names the first one above EPS (- if there is "
-            "none). The other columns are the errors themselves:\n"
-            "force and torque: the unbalanced force and torque of a grain, over p d^2.\n"
-            "walls: the force on a wall against pressure times area.\n"
-            "law: normal forces against Hertz's law.\n"
-            "geometry: overlaps against positions.\n"
-            "coulomb: the largest excess of a tangential force over friction times the normal force.\n"
-            "missing: overlaps of grains, walls and periodic images that no contact lists.\n"
-            "A field of the file that is at odds with its scene or its contacts fails too.\n"
-            "\n"
-            "The exit status is 1 if any file fails. A packing that was made with a larger packing.tolerance, or that "
-            "was read from a file with few digits, may need a larger EPS.",
+    .help =
+        "Checks packings: structure, overlaps, contact forces, balance of forces and torques, Coulomb's condition, "
+        "and the force on the walls.\v"
+        "residual is the largest of the relative errors, and reason names the first one above EPS (- if there is "
+        "none). The other columns are the errors themselves:\n"
+        "force and torque: the unbalanced force and torque of a grain, over p d^2.\n"
+        "walls: the force on a wall against pressure times area.\n"
+        "law: normal forces against Hertz's law.\n"
+        "geometry: overlaps against positions.\n"
+        "coulomb: the largest excess of a tangential force over friction times the normal force.\n"
+        "missing: overlaps of grains, walls and periodic images that no contact lists.\n"
+        "A field of the file that is at odds with its scene or its contacts fails too.\n"
+        "\n"
+        "The exit status is 1 if any file fails. A packing that was made with a larger packing.tolerance, or that was "
+        "read from a file with few digits, may need a larger EPS.",
     .options = options,
     .file_name = "packing",
     .files_min = 1,

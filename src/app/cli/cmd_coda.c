@@ -71,15 +71,15 @@ static sp_status check(void *user, sp_error *err) {
 static const cli_syntax syntax = {
     .usage = "FILE",
     .help =
-        "Coda-wave interferometry: finds the grain whose contacts have changed from the change of the signals, most of "
-        "all of their late part, which has passed every place many times.\v"
+        "Coda-wave interferometry: finds the grain whose contacts have changed from the change of the signals, most "
+        "of all of their late part, which has passed every place many times.\v"
         "The kernel of a grain is the derivative of the signal by the logarithm of the stiffness of all its contacts. "
-        "Each grain alone, with the change that fits best, is compared with the change of the signals. misfit: part of "
-        "the squared change that it leaves unexplained. probability: of being the place, if noise is white and each "
-        "grain is equally likely beforehand. change: of the stiffness, relative to it. change_err: its standard error, "
-        "from the noise and from what the kernel leaves out, which knows changes to first order. The packing must be "
-        "that of the measurement, and tables of measured "
-        "signals have one column for each pair of a source and a detector, detectors running fastest.\n"
+        "Each grain alone, with the change that fits best, is compared with the change of the signals. misfit: part "
+        "of the squared change that it leaves unexplained. probability: of being the place, if noise is white and "
+        "each grain is equally likely beforehand. change: of the stiffness, relative to it. change_err: its standard "
+        "error, from the noise and from what the kernel leaves out, which knows changes to first order. The packing "
+        "must be that of the measurement, and tables of measured signals have one column for each pair of a source "
+        "and a detector, detectors running fastest.\n"
         "\n"
         "stretch: relative change of speed that stretches the first signal to that after the change, by least "
         "squares.\n"
@@ -96,26 +96,19 @@ static const cli_syntax syntax = {
 /* Signals on the times of the window. */
 typedef struct signals {
     int32_t times, pairs;
-    double *t;               /* [times] */
+    double *t;               /* [times], one block with the others */
     double *before, *change; /* [pairs][times] */
     double *base;            /* [pairs][times] computed signals without the change */
     double noise;            /* standard deviation of each value of the change; 0: unknown */
 } signals;
 
-static void free_signals(signals *s) {
-    sp_free(s->t);
-    sp_free(s->before);
-    sp_free(s->change);
-    sp_free(s->base);
-}
-
 static sp_status alloc_signals(signals *s, sp_error *err) {
-    const size_t values = (size_t)s->pairs * (size_t)s->times;
-    s->t = sp_alloc((size_t)s->times, sizeof *s->t);
-    s->before = sp_alloc(values, sizeof *s->before);
-    s->change = sp_alloc(values, sizeof *s->change);
-    s->base = sp_alloc(values, sizeof *s->base);
-    return s->t && s->before && s->change && s->base ? SP_OK : sp_fail_memory(err, 4 * values * sizeof *s->before);
+    const size_t values = (size_t)s->pairs * (size_t)s->times, all = (size_t)s->times + 3 * values;
+    s->t = sp_alloc(all, sizeof *s->t);
+    s->before = s->t ? s->t + s->times : NULL;
+    s->change = s->t ? s->before + values : NULL;
+    s->base = s->t ? s->change + values : NULL;
+    return s->t ? SP_OK : sp_fail_memory(err, all * sizeof *s->t);
 }
 
 /* ---- measured signals -------------------------------------------------------------------------------------------- */
@@ -140,30 +133,14 @@ static sp_status find_columns(const sp_table *t, const char *path, int32_t pairs
     return SP_OK;
 }
 
-/* Rows of a table within the window. */
-static int32_t first_row(const sp_table *t, int time, double low, double high, int32_t *count) {
-    int32_t first = 0;
-    *count = 0;
-    for (int64_t row = 0; row < t->rows; row++) {
-        const double at = sp_table_number(t, row, time);
-        if (!(at >= low && at <= high))
-            continue;
-        if ((*count)++ == 0)
-            first = (int32_t)row;
-    }
-    return first;
-}
-
-static void copy_columns(const sp_table *t, int32_t first, int time, int force, signals *s, bool after) {
+/* The values of the rows from `first` on: before the change, or the change. */
+static void copy_columns(const sp_table *t, int64_t first, int time, int force, signals *s, bool after) {
     for (int32_t l = 0; l < s->times; l++) {
         s->t[l] = sp_table_number(t, first + l, time);
         for (int32_t k = 0; k < s->pairs; k++) {
             const size_t at = (size_t)k * (size_t)s->times + (size_t)l;
             const double f = sp_table_number(t, first + l, force + k);
-            if (after)
-                s->change[at] = f - s->before[at];
-            else
-                s->before[at] = f;
+            (after ? s->change : s->before)[at] = after ? f - s->before[at] : f;
         }
     }
 }
@@ -181,25 +158,34 @@ static sp_status same_times(const sp_table *a, const sp_table *b, int time_a, in
                                         (long long)b->rows, (long long)a->rows);
 }
 
+static sp_status take_window(const arguments *a, const sp_table *before, const sp_table *after, const int column[4],
+                             signals *s, sp_error *err) {
+    int64_t first = 0;
+    while (first < before->rows && !(sp_table_number(before, first, column[0]) >= a->window[0]))
+        first++;
+    for (s->times = 0; first + s->times < before->rows; s->times++)
+        if (!(sp_table_number(before, first + s->times, column[0]) <= a->window[1]))
+            break;
+    if (s->times < 10)
+        return sp_fail(err, SP_EINVAL, "%s: has %d rows in the window %g:%g, must have at least 10", a->before,
+                       s->times, a->window[0], a->window[1]);
+    const sp_status status = alloc_signals(s, err);
+    if (status != SP_OK)
+        return status;
+    copy_columns(before, first, column[0], column[1], s, false);
+    copy_columns(after, first, column[2], column[3], s, true);
+    return SP_OK;
+}
+
 static sp_status read_signals(const arguments *a, signals *s, sp_error *err) {
     sp_table before = sp_table_none(), after = sp_table_none();
-    int time = 0, force = 0, time_after = 0, force_after = 0;
+    int column[4] = {0}; /* time and first signal of both */
     sp_status status = sp_table_read(a->before, &before, err);
     CLI_THEN(status, sp_table_read(a->after, &after, err));
-    CLI_THEN(status, find_columns(&before, a->before, s->pairs, &time, &force, err));
-    CLI_THEN(status, find_columns(&after, a->after, s->pairs, &time_after, &force_after, err));
-    CLI_THEN(status, same_times(&before, &after, time, time_after, a->after, err));
-    if (status == SP_OK) {
-        const int32_t first = first_row(&before, time, a->window[0], a->window[1], &s->times);
-        if (s->times < 10)
-            status = sp_fail(err, SP_EINVAL, "%s: has %d rows in the window %g:%g, must have at least 10", a->before,
-                             s->times, a->window[0], a->window[1]);
-        CLI_THEN(status, alloc_signals(s, err));
-        if (status == SP_OK) {
-            copy_columns(&before, first, time, force, s, false);
-            copy_columns(&after, first, time_after, force_after, s, true);
-        }
-    }
+    CLI_THEN(status, find_columns(&before, a->before, s->pairs, &column[0], &column[1], err));
+    CLI_THEN(status, find_columns(&after, a->after, s->pairs, &column[2], &column[3], err));
+    CLI_THEN(status, same_times(&before, &after, column[0], column[2], a->after, err));
+    CLI_THEN(status, take_window(a, &before, &after, column, s, err));
     sp_table_free(&after);
     sp_table_free(&before);
     return status;
@@ -374,7 +360,7 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     CLI_THEN(status, (a->trials > 0 ? search_trials : search_one)(a, file, &c, &o, &s, found, w));
     sp_free(found);
     sp_coda_free(&c);
-    free_signals(&s);
+    sp_free(s.t);
     return status;
 }
 

@@ -77,19 +77,17 @@ static const cli_syntax syntax = {
         "Which grains to make heavier, stiffer or larger so that the front arrives late or early, or little passes in "
         "a band of frequencies: by projected gradients, from exact derivatives.\v"
         "mass: masses do not enter the balance of forces, so that the packing at rest stays the same. modulus: the "
-        "stiffness of a contact follows by Hertz's law at the force that it has. radius: every candidate is compressed "
-        "again, from the best one so far. The total mass, the sum of moduli or, to first order, the volume of the "
-        "grains that "
-        "carry force is kept, unless --free is given.\n"
+        "stiffness of a contact follows by Hertz's law at the force that it has. radius: every candidate is "
+        "compressed again, from the best one so far. The total mass, the sum of moduli or, to first order, the volume "
+        "of the grains that carry force is kept, unless --free is given.\n"
         "\n"
-        "The first row is the packing as it is. predicted: what the gradient of the step before promises for this one, "
-        "by the logarithm of the value. energy: over that of the packing as it is. at_limit: number of grains whose "
-        "factor is at a limit. t10_err and energy_err are "
-        "numerical. factor: by what the mass, modulus or radius of the grain is multiplied. The comments give the "
-        "ratio of the last value to the first one, the ratio that "
-        "the first gradient promises for the best factors within the limits (linear_predicted_ratio), and the one that "
-        "these factors really have (linear_ratio). effective: number of grains that share the first gradient. The "
-        "result is a local optimum; others may be better.",
+        "The first row is the packing as it is. predicted: what the gradient of the step before promises for this "
+        "one, by the logarithm of the value. energy: over that of the packing as it is. at_limit: number of grains "
+        "whose factor is at a limit. t10_err and energy_err are numerical. factor: by what the mass, modulus or "
+        "radius of the grain is multiplied. The comments give the ratio of the last value to the first one, the ratio "
+        "that the first gradient promises for the best factors within the limits (linear_predicted_ratio), and the "
+        "one that these factors really have (linear_ratio). effective: number of grains that share the first "
+        "gradient. The result is a local optimum; others may be better.",
     CLI_ONE_PACKING,
     .options = options,
     .springs = true,

@@ -261,13 +261,10 @@ static const cli_syntax syntax = {
         "Eigenfrequencies of the spring network of a packing between fixed walls, and the weight of each mode in the "
         "signal.\v"
         "Modes are sorted by omega; among the zero modes those of rattlers come first. The signal is F(t) = sum of ab "
-        "sin(omega "
-        "t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain in the "
-        "mode and N the number of grains without rattlers. error is a bound for the error of omega. a, b and "
-        "participation of modes of equal frequencies are not definite. A packing that "
-        "does "
-        "not touch the bottom (top) wall has no source (detector): a (b) is nan, and a comment says none. --set takes "
-        "keys of the group network.\n"
+        "sin(omega t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain "
+        "in the mode and N the number of grains without rattlers. error is a bound for the error of omega. a, b and "
+        "participation of modes of equal frequencies are not definite. A packing that does not touch the bottom (top) "
+        "wall has no source (detector): a (b) is nan, and a comment says none. --set takes keys of the group network.\n"
         "\n"
         "The comments count the zero modes of the packing, whichever modes are printed: zero_modes = rattler_modes + "
         "free_spins (a grain that turns alone, such as a sphere with two contacts) + rigid_motions (grains that hang "
@@ -276,8 +273,8 @@ static const cli_syntax syntax = {
         "\n"
         "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)). Each conjugate pair "
         "has one row, each overdamped mode a row with omega = 0; n starts at 0 without rattlers. Q = |lambda|/(2 "
-        "decay) with "
-        "lambda = -decay + i omega is the quality factor (nan for an overdamped mode), Q_err a bound of its error.",
+        "decay) with lambda = -decay + i omega is the quality factor (nan for an overdamped mode), Q_err a bound of "
+        "its error.",
     CLI_ONE_PACKING,
     .options = options,
     .springs = true,

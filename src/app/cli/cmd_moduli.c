@@ -82,8 +82,8 @@ static const cli_option options[] = {
 static const cli_syntax syntax = {
     .usage = "FILE...",
     .help =
-        "Elastic moduli of packings from an imposed homogeneous strain, in which the contact points on the walls "
-        "take part. A chain has only C22.\v"
+        "Elastic moduli of packings from an imposed homogeneous strain, in which the contact points on the walls take "
+        "part. A chain has only C22.\v"
         "In two dimensions axis 1 is along the walls and axis 2 points from wall to wall; c_l = sqrt(C22/Phi3*) and "
         "c_t = sqrt(C33/Phi3*), where Phi3* is the volume fraction without rattlers, away from the walls. In three "
         "dimensions axes 1 and 2 are along the walls and axis 3 points from wall to wall; C44, C55 and C66 are the "
@@ -91,15 +91,14 @@ static const cli_syntax syntax = {
         "c_t are nan without friction, because a smooth wall cannot shear; --probe sine:1 can. c_l and c_t are nan "
         "where the packing is too low to have a bulk (see --margin). With --probe the table has apparent moduli on "
         "smaller scales, and their ratios to those of the global strain. With --strain it has changes of stress "
-        "divided by the strain, for packings that are brought back to equilibrium, and counts the contacts that "
-        "slide or open. --set takes keys of the group network.\n"
+        "divided by the strain, for packings that are brought back to equilibrium, and counts the contacts that slide "
+        "or open. --set takes keys of the group network.\n"
         "\n"
-        "A periodic cell is strained itself, and a box by all of its walls; read \"along the up axis\" for \"from wall "
-        "to "
-        "wall\". Their tables have further columns: the rest of the stiffness tensor in Voigt's notation (in two "
-        "dimensions 3 is the shear, so C13 and C23 couple it to the axes), the bulk modulus K and the shear modulus G "
-        "of its isotropic part (Voigt's averages), the anisotropy |C - isotropic part|/|C|, and bounds of the errors: "
-        "K_err, G_err, anisotropy_err, and C_err of all components.",
+        "A periodic cell is strained itself, and a box by all of its walls; read \"along the up axis\" for \"from "
+        "wall to wall\". Their tables have further columns: the rest of the stiffness tensor in Voigt's notation (in "
+        "two dimensions 3 is the shear, so C13 and C23 couple it to the axes), the bulk modulus K and the shear "
+        "modulus G of its isotropic part (Voigt's averages), the anisotropy |C - isotropic part|/|C|, and bounds of "
+        "the errors: K_err, G_err, anisotropy_err, and C_err of all components.",
     CLI_PACKINGS,
     .options = options,
     .springs = true,

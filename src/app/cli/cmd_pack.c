@@ -172,9 +172,9 @@ static const cli_syntax syntax = {
     .help =
         "Compresses one packing of a scene, saves it, and prints a summary.\v"
         "FILE ends in .h5 (HDF5) or .txt (text). Without SCENE all keys have their defaults, except those of --set. A "
-        "warning says before the work if the box will be lower than 6 diameters. "
-        "If the compression is interrupted, the same command continues it: the state is kept in FILE.state. With "
-        "packing.history the packing at each of its pressures is saved beside FILE (P.stage1.h5).\n"
+        "warning says before the work if the box will be lower than 6 diameters. If the compression is interrupted, "
+        "the same command continues it: the state is kept in FILE.state. With packing.history the packing at each of "
+        "its pressures is saved beside FILE (P.stage1.h5).\n"
         "\n"
         "  sonopack pack packings/single.cfg --seed 7 -o P.h5\n"
         "  sonopack pack --set packing.grains=200 --set packing.pressure=1e-5 -o P.txt\n"
@@ -182,8 +182,7 @@ static const cli_syntax syntax = {
         "  sonopack pack --dry-run packings/spheres.cfg -o P.h5\n"
         "\n"
         "With --engine lammps the grains are compressed by LAMMPS (pair_style granular), for packings that need more "
-        "than "
-        "one machine, and come to rest here. Its files are in FILE.lammps, and stay there if something fails.",
+        "than one machine, and come to rest here. Its files are in FILE.lammps, and stay there if something fails.",
     .options = options,
     .file_name = "scene",
     .files_max = 1,

@@ -353,21 +353,18 @@ static const cli_syntax syntax = {
         "Each row is a contact or a grain that carries force. by_X is the derivative of the quantity by the logarithm "
         "of X: the change for a small relative change of X alone, over that change; by_x, by_y and by_z are "
         "derivatives by the position of the centre in mean diameters d, in all units. by_X_err are bounds of their "
-        "errors, by_position_err of each of by_x, by_y and by_z. The momentum of a source at "
-        "the wall and the force on a detector change with the stiffness of their contacts. With radius and position "
-        "the overlaps, and with them the stiffnesses, follow the contact law, and with radius the mass too; no "
-        "contact is made or lost. With pressure the packing follows the load by its linear response, and no contact "
-        "slides.\n"
+        "errors, by_position_err of each of by_x, by_y and by_z. The momentum of a source at the wall and the force "
+        "on a detector change with the stiffness of their contacts. With radius and position the overlaps, and with "
+        "them the stiffnesses, follow the contact law, and with radius the mass too; no contact is made or lost. With "
+        "pressure the packing follows the load by its linear response, and no contact slides.\n"
         "\n"
         "Comments give the quantity (value; of modes omega^2) and a bound of its error (value_err); homogeneity, the "
-        "sum over all contacts, which Euler's "
-        "theorem knows (if all springs are stiffer by a factor s, times shorten by sqrt(s)), minus what it should "
-        "be, over the sum of absolute values; and half_share, the fraction of the contacts (the largest ones) that "
-        "have half of the sum of |by_kn| + |by_kt|. A "
-        "front is that of the continuous signal. A group of modes of one frequency has a derivative only as a whole: "
-        "omega:N-M. N counts as the column n of modes, zero modes first. c_l and c_t have a fixed density. K must be "
-        "symmetric: with friction "
-        "--prestress is refused. --set takes keys of the group network.",
+        "sum over all contacts, which Euler's theorem knows (if all springs are stiffer by a factor s, times shorten "
+        "by sqrt(s)), minus what it should be, over the sum of absolute values; and half_share, the fraction of the "
+        "contacts (the largest ones) that have half of the sum of |by_kn| + |by_kt|. A front is that of the "
+        "continuous signal. A group of modes of one frequency has a derivative only as a whole: omega:N-M. N counts "
+        "as the column n of modes, zero modes first. c_l and c_t have a fixed density. K must be symmetric: with "
+        "friction --prestress is refused. --set takes keys of the group network.",
     CLI_ONE_PACKING,
     .options = options,
     .springs = true,

@@ -78,19 +78,17 @@ static const cli_syntax syntax = {
         "curvatures. With --from overlaps positions and radii decide which grains touch, and stiffnesses follow from "
         "the overlaps: errors must then be far below the mean overlap, which a comment tells.\n"
         "\n"
-        "value: without errors, and numerically exact beside them. t10, t_peak, peak and width are those of the front, "
-        "c "
-        "is the height over t10 (one distance over its time, which is biased), C11, ... and c_l, c_t are as in moduli, "
-        "omega_n are the lowest frequencies. "
-        "sd_first: standard deviation to first order, from exact derivatives. shift_first: shift of the mean by false "
-        "contacts, to first order. share_...: parts of the kinds of errors in the square of sd_first. sd, bias: "
-        "standard deviation of the drawn packings, and their mean minus the value. sd_err, bias_err: their standard "
-        "errors. linear: whether both ways agree, or unknown where one of them is missing. If it is no, they differ by "
-        "more than these errors, and sd and bias "
-        "count. It is also no if more than one in a hundred of the drawn packings has no sound, since sd and bias do "
-        "not know of these. A comment tells how many they are, and why the first of them has none. "
-        "contacts_ratio: contacts that carry force in the drawn packings, over those of the packing. nan: there are no "
-        "derivatives, as with missing contacts.",
+        "value: without errors, and numerically exact beside them. t10, t_peak, peak and width are those of the "
+        "front, c is the height over t10 (one distance over its time, which is biased), C11, ... and c_l, c_t are as "
+        "in moduli, omega_n are the lowest frequencies. sd_first: standard deviation to first order, from exact "
+        "derivatives. shift_first: shift of the mean by false contacts, to first order. share_...: parts of the kinds "
+        "of errors in the square of sd_first. sd, bias: standard deviation of the drawn packings, and their mean "
+        "minus the value. sd_err, bias_err: their standard errors. linear: whether both ways agree, or unknown where "
+        "one of them is missing. If it is no, they differ by more than these errors, and sd and bias count. It is "
+        "also no if more than one in a hundred of the drawn packings has no sound, since sd and bias do not know of "
+        "these. A comment tells how many they are, and why the first of them has none. contacts_ratio: contacts that "
+        "carry force in the drawn packings, over those of the packing. nan: there are no derivatives, as with missing "
+        "contacts.",
     CLI_ONE_PACKING,
     .options = options,
     .springs = true,

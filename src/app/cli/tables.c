@@ -171,63 +171,24 @@ static void compare_parts(const sp_scene *scene, sp_sample *s) {
         s->have &= parts | ~(unsigned)SP_WANT_SIGNAL;
 }
 
-/* The index of sample k of the scene in `all', which is sorted by name; -1 if it is not there. */
-static sp_status find_sample(const sp_scene *scene, int64_t k, const choice *all, sp_scene *one, int64_t *place,
-                             sp_error *err) {
-    char name[SP_NAME_MAX];
-    sp_status status = sp_study_sample(scene, k, one, name, err);
-    if (status != SP_OK)
-        return status;
-    const sp_sample *found = bsearch(name, all->sample, (size_t)all->n, sizeof *found, find_name);
-    *place = found ? found - all->sample : -1;
-    return SP_OK;
-}
-
-/* Keeps only the samples that the scene makes. */
-static sp_status keep(const sp_scene *scene, choice *all, sp_error *err) {
-    const int64_t count = sp_study_count(scene);
-    bool *chosen = sp_alloc((size_t)all->n, sizeof *chosen);
-    sp_status status = chosen ? SP_OK : sp_fail_memory(err, (size_t)all->n * sizeof *chosen);
-    for (int64_t k = 0; k < count && status == SP_OK; k++) {
-        sp_scene one;
-        int64_t place = -1;
-        status = find_sample(scene, k, all, &one, &place, err);
-        all->missing += status == SP_OK && place < 0;
-        if (place >= 0) {
-            chosen[place] = true;
-            compare_parts(&one, &all->sample[place]);
-        }
-    }
-    int64_t kept = 0;
-    for (int64_t k = 0; k < all->n && status == SP_OK; k++)
-        if (chosen[k])
-            all->sample[kept++] = all->sample[k];
-    if (status == SP_OK)
-        all->n = kept;
-    sp_free(chosen);
-    return status;
-}
-
-/* Copies the samples that the scene makes. */
+/* Copies the samples that the scene makes from `all', which is sorted by name. */
 static sp_status choose(const sp_scene *scene, const choice *all, choice *out, sp_error *err) {
     const int64_t count = sp_study_count(scene);
     choice c = {.sample = sp_alloc((size_t)(count < all->n ? count : all->n), sizeof *c.sample)};
     bool *taken = sp_alloc((size_t)all->n, sizeof *taken); /* two heights may make one number of grains */
-    sp_status status = SP_OK;
-    if (!c.sample || !taken)
-        status = sp_fail_memory(err, (size_t)all->n * (sizeof *c.sample + sizeof *taken));
+    sp_status status = c.sample && taken ? SP_OK : sp_fail_memory(err, (size_t)all->n * sizeof *c.sample);
     for (int64_t k = 0; k < count && status == SP_OK; k++) {
         sp_scene one;
-        int64_t place = -1;
-        status = find_sample(scene, k, all, &one, &place, err);
+        char name[SP_NAME_MAX];
+        status = sp_study_sample(scene, k, &one, name, err);
         if (status != SP_OK)
             break;
-        if (place < 0 || taken[place]) {
-            c.missing += place < 0;
+        const sp_sample *found = bsearch(name, all->sample, (size_t)all->n, sizeof *found, find_name);
+        c.missing += !found;
+        if (!found || taken[found - all->sample])
             continue;
-        }
-        taken[place] = true;
-        c.sample[c.n] = all->sample[place];
+        taken[found - all->sample] = true;
+        c.sample[c.n] = *found;
         compare_parts(&one, &c.sample[c.n++]);
     }
     sp_free(taken);
@@ -360,7 +321,13 @@ static sp_status select_samples(const cli_tables *tables, choice *of, sp_error *
         return sp_fail(err, SP_EREFUSED, "no table: the store has no samples");
     if (found > 0)
         qsort(of->sample, (size_t)found, sizeof *of->sample, by_names);
-    sp_status status = tables->scene ? keep(tables->scene, of, err) : SP_OK;
+    choice chosen = *of;
+    sp_status status = tables->scene ? choose(tables->scene, of, &chosen, err) : SP_OK;
+    if (status == SP_OK && chosen.sample != of->sample) {
+        sp_free(of->sample);
+        *of = chosen;
+        qsort(of->sample, (size_t)of->n, sizeof *of->sample, by_names);
+    }
     if (status == SP_OK && of->n == 0 && tables->needs_samples)
         status =
             sp_fail(err, SP_EREFUSED,
