@@ -52,33 +52,16 @@ typedef struct cli_common {
 /* ---- commands ---------------------------------------------------------------------------------------------------- */
 
 /* argv[0] is "sonopack NAME". Returns the exit status. */
-typedef int (*cli_command)(int argc, char **argv);
-int cmd_amplitude(int argc, char **argv);
-int cmd_chain(int argc, char **argv);
-int cmd_check(int argc, char **argv);
-int cmd_coda(int argc, char **argv);
-int cmd_column(int argc, char **argv);
-int cmd_completion(int argc, char **argv);
-int cmd_design(int argc, char **argv);
-int cmd_dispatch(int argc, char **argv); /* executes `sonopack-NAME' of the Python package */
-int cmd_front(int argc, char **argv);
-int cmd_modes(int argc, char **argv);
-int cmd_moduli(int argc, char **argv);
-int cmd_pack(int argc, char **argv);
-int cmd_sensitivity(int argc, char **argv);
-int cmd_signal(int argc, char **argv);
-int cmd_spectrum(int argc, char **argv);
-int cmd_statics(int argc, char **argv);
-int cmd_study(int argc, char **argv);
-int cmd_table(int argc, char **argv);
-int cmd_uncertainty(int argc, char **argv);
-int cmd_transport(int argc, char **argv);
-int cmd_wave(int argc, char **argv);
+typedef int cli_command(int argc, char **argv);
+cli_command cmd_amplitude, cmd_chain, cmd_check, cmd_coda, cmd_column, cmd_completion, cmd_design, cmd_front, cmd_modes,
+    cmd_moduli, cmd_pack, cmd_sensitivity, cmd_signal, cmd_spectrum, cmd_statics, cmd_study, cmd_table, cmd_uncertainty,
+    cmd_transport, cmd_wave;
+cli_command cmd_dispatch; /* executes `sonopack-NAME' of the Python package */
 
 /* The commands, in the order of the overview. */
 typedef struct cli_command_row {
     const char *name; /* NULL: after the last */
-    cli_command run;  /* NULL: `help' */
+    cli_command *run; /* NULL: `help' */
     const char *meaning;
 } cli_command_row;
 extern const cli_command_row *cli_commands; /* set by main */
@@ -243,6 +226,11 @@ sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err);
 /* The same with another file, or NULL to print. */
 sp_status cli_write_table_to(const cli_common *common, const char *path, sp_table *t, sp_error *err);
 
+/* MAT-files, and tables of signals as SAC and SLIST, which the Python package writes: by the ending; whether it is
+ * here; and from the text of a table, TSV. */
+bool cli_is_foreign_table(const char *path);
+sp_status cli_may_save_foreign(sp_error *err);
+sp_status cli_save_foreign(const cli_common *common, const char *text, sp_error *err);
 /* Whether a file name has this ending, as in ".h5". Upper case and lower case are the same. */
 bool cli_has_ending(const char *path, const char *ending);
 bool cli_is_hdf5(const char *path); /* .h5 or .hdf5 */

@@ -1,6 +1,5 @@
 /* Writes tables to stdout or to files, and decides which files may be replaced. */
 #include "cli/cli.h"
-#include "cli/traces.h"
 
 #include "base/base.h"
 #include "base/file.h"
@@ -168,8 +167,10 @@ sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
 static sp_status table_format(const cli_common *common, sp_table_format *out, sp_error *err) {
     static const char *const names[] = {[SP_TSV] = ".tsv", [SP_CSV] = ".csv", [SP_JSON] = ".json"};
     *out = common->format;
-    if (!common->output || (cli_is_foreign_table(common->output) && !common->format_given))
+    if (!common->output)
         return SP_OK;
+    if (cli_is_foreign_table(common->output) && !common->format_given)
+        return cli_may_save_foreign(err);
     for (unsigned k = 0; k < sizeof names / sizeof *names; k++) {
         if (!cli_has_ending(common->output, names[k]))
             continue;
@@ -214,18 +215,6 @@ sp_status cli_print(const char *text, sp_error *err) {
     return sp_fail(err, SP_EIO, "standard output: %s", strerror(errno));
 }
 
-/* The names of files beside common->output follow from the table, and are checked here. */
-static sp_status write_foreign(const cli_common *common, const sp_table *t, sp_error *err) {
-    char name[SP_PATH_MAX];
-    int files = 0;
-    sp_status status = cli_foreign_files(t, common->output, &files, err);
-    for (int k = 0; k < files && files > 1 && status == SP_OK; k++) {
-        status = cli_foreign_name(t, common->output, k, name, err);
-        CLI_THEN(status, cli_may_write(common, name, err));
-    }
-    return status == SP_OK ? cli_foreign_write(t, common->output, err) : status;
-}
-
 sp_status cli_write_table_to(const cli_common *to, const char *path, sp_table *t, sp_error *err) {
     cli_common there = *to;
     there.output = path;
@@ -237,14 +226,15 @@ sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) 
     sp_status status = table_format(common, &format, err);
     CLI_THEN(status, sp_table_add_comment(t, err, "sonopack %s", SONOPACK_VERSION));
     CLI_THEN(status, cli_convert_table(common, t, err));
-    if (status == SP_OK && common->output && cli_is_foreign_table(common->output))
-        return write_foreign(common, t, err);
     if (status != SP_OK)
         return status;
-    char *text = sp_table_text(t, format);
+    const bool foreign = common->output && cli_is_foreign_table(common->output);
+    char *text = sp_table_text(t, foreign ? SP_TSV : format);
     if (!text)
         return sp_fail_memory(err, (size_t)(t->rows * t->columns) * 24);
-    status = common->output ? sp_text_save(common->output, text, strlen(text), err) : cli_print(text, err);
+    status = foreign          ? cli_save_foreign(common, text, err)
+             : common->output ? sp_text_save(common->output, text, strlen(text), err)
+                              : cli_print(text, err);
     sp_free(text);
     return status;
 }
