@@ -185,13 +185,13 @@ int cli_fail(const sp_error *err);
 /* Prints "sonopack: ...". Returns CLI_USAGE. */
 int cli_usage(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* A message, unless --quiet is given; cli_debug: only if --verbose is given. */
-void cli_note(const cli_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
-void cli_debug(const cli_common *common, const char *format, ...) __attribute__((format(printf, 2, 3)));
-/* Progress: one line, rewritten in place, on a terminal; elsewhere one line per minute with --verbose. Unknown values:
- * fraction < 0, seconds_left NAN. */
-void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left);
-/* The same with a range, while the remaining time is not well known. */
+#define cli_note(common, ...)  ((common)->quiet ? (void)0 : (void)cli_usage(__VA_ARGS__))
+#define cli_debug(common, ...) ((common)->verbose && !(common)->quiet ? (void)cli_usage(__VA_ARGS__) : (void)0)
+/* Progress: one line, rewritten in place, on a terminal; elsewhere one line per minute with --verbose. The remaining
+ * time is between low and high. Unknown values: fraction < 0, times NAN. */
 void cli_progress_between(const cli_common *common, const char *text, double fraction, double low, double high);
+#define cli_progress(common, text, fraction, seconds_left)                                                             \
+    cli_progress_between(common, text, fraction, seconds_left, seconds_left)
 /* Clears the progress line. */
 void cli_progress_end(void);
 /* From here to cli_watch_end a line tells the time and the memory so far while no message and no progress is told: on a

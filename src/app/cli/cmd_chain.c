@@ -1,6 +1,6 @@
 /* sonopack chain: prints fronts, signals and modes of a chain of equal balls, in closed form. */
 #include "base/base.h"
-#include "cli/cli.h"
+#include "cli/files.h"
 #include "packing/contact.h"
 
 #include <math.h>
@@ -341,24 +341,25 @@ static sp_status localisation_table(const arguments *a, cli_writer *w) {
     return w->status;
 }
 
-static sp_status work(const arguments *a, sp_table *t, sp_error *err) {
-    cli_writer w = {.table = t, .err = err, .status = cli_may_write_table(&a->common, err)};
+static sp_status work(void *user, cli_writer *w) {
+    const arguments *a = user;
     const units u = units_of(a->pressure, (sp_chain_source)a->initial);
     if (a->common.kind == KIND_LOCALISATION)
-        cli_comment(&w, "chain of equal springs K and random masses of mean m");
+        cli_comment(w, "chain of equal springs K and random masses of mean m");
     else if (a->common.kind == KIND_SOLITON)
-        cli_comment(&w, "chain of equal balls, solitary waves");
+        cli_comment(w, "chain of equal balls, solitary waves");
     else
-        cli_comment(&w, "chain of equal balls, initial condition %s",
+        cli_comment(w, "chain of equal balls, initial condition %s",
                     a->initial == SP_CHAIN_VELOCITY ? "A: velocity" : "B: displacement");
     if (!isnan(a->pressure))
-        cli_value(&w, "pressure", a->pressure);
-    CLI_THEN(w.status, a->common.kind == KIND_FRONT          ? front_table(a, &u, &w)
-                       : a->common.kind == KIND_SIGNAL       ? signal_table(a, &u, &w)
-                       : a->common.kind == KIND_SOLITON      ? soliton_table(a, &w)
-                       : a->common.kind == KIND_LOCALISATION ? localisation_table(a, &w)
-                                                             : modes_table(a, &w));
-    return w.status == SP_OK ? cli_write_table(&a->common, t, err) : w.status;
+        cli_value(w, "pressure", a->pressure);
+    switch (a->common.kind) {
+    case KIND_FRONT: return front_table(a, &u, w);
+    case KIND_SIGNAL: return signal_table(a, &u, w);
+    case KIND_SOLITON: return soliton_table(a, w);
+    case KIND_LOCALISATION: return localisation_table(a, w);
+    default: return modes_table(a, w);
+    }
 }
 
 int cmd_chain(int argc, char **argv) {
@@ -371,9 +372,5 @@ int cmd_chain(int argc, char **argv) {
                    .disorder = 0.3,
                    .seed = 1};
     cli_parse(&syntax, argc, argv, &a);
-    sp_error err = {0};
-    sp_table t = sp_table_none();
-    const sp_status status = work(&a, &t, &err);
-    sp_table_free(&t);
-    return status == SP_OK ? CLI_OK : cli_fail(&err);
+    return cli_run_table(&a, work);
 }

@@ -1,6 +1,6 @@
 /* sonopack column: computes the motion of a column of particles on a tapped floor. */
 #include "base/base.h"
-#include "cli/cli.h"
+#include "cli/files.h"
 
 #include <string.h>
 
@@ -57,34 +57,25 @@ static void warn(const arguments *a, const sp_table *t) {
             cli_note(&a->common, "%s", t->comment[k]);
 }
 
-static sp_status compute(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
+static sp_status work(void *user, cli_writer *w) {
+    arguments *a = user;
+    sp_scene scene = sp_scene_default();
+    sp_status status = sp_scene_read_tapped(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets,
+                                            a->common.set, &scene, w->err);
     cli_catch_signals(&a->common);
-    scene->tapped.stopped = stopped;
+    scene.tapped.stopped = stopped;
     a->begun = sp_clock_wall();
-    sp_status status =
-        sp_tapped_table_watched(&scene->tapped, a->common.threads, (sp_tapped_watcher){watch, a}, t, err);
+    CLI_THEN(status, sp_tapped_table_watched(&scene.tapped, a->common.threads, (sp_tapped_watcher){watch, a}, w->table,
+                                             w->err));
     cli_progress_end();
-    return status;
-}
-
-static sp_status work(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
-    sp_status status = cli_may_write_table(&a->common, err);
-    CLI_THEN(status, sp_scene_read_tapped(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets, a->common.set,
-                                          scene, err));
-    CLI_THEN(status, compute(a, scene, t, err));
     if (status == SP_OK)
-        warn(a, t);
-    return status == SP_OK ? cli_write_table(&a->common, t, err) : status;
+        warn(a, w->table);
+    sp_scene_free(&scene);
+    return status;
 }
 
 int cmd_column(int argc, char **argv) {
     arguments a = {0};
     cli_parse(&syntax, argc, argv, &a);
-    sp_error err = {0};
-    sp_scene scene = sp_scene_default();
-    sp_table t = sp_table_none();
-    sp_status status = work(&a, &scene, &t, &err);
-    sp_table_free(&t);
-    sp_scene_free(&scene);
-    return status == SP_OK ? CLI_OK : cli_fail(&err);
+    return cli_run_table(&a, work);
 }

@@ -45,10 +45,6 @@ int cmd_dispatch(int argc, char **argv) {
     return cli_fail(&err);
 }
 
-bool cli_is_foreign_table(const char *path) {
-    return cli_has_ending(path, ".mat") || cli_has_ending(path, ".sac") || cli_has_ending(path, ".slist");
-}
-
 sp_status cli_may_save_foreign(sp_error *err) {
     char path[PROGRAM_MAX];
     return find_program("save-table", path, err);

@@ -149,3 +149,14 @@ int cli_run_files(const cli_files *command, void *arguments) {
     sp_scene_free(&scene);
     return w.status != SP_OK ? cli_fail(&err) : failed ? CLI_FAILED : CLI_OK;
 }
+
+int cli_run_table(void *arguments, sp_status (*work)(void *arguments, cli_writer *w)) {
+    const cli_common *common = arguments;
+    sp_table t = sp_table_none();
+    sp_error err = {0};
+    cli_writer w = {.table = &t, .err = &err, .status = cli_may_write_table(common, &err)};
+    CLI_THEN(w.status, work(arguments, &w));
+    CLI_THEN(w.status, cli_write_table(common, &t, &err));
+    sp_table_free(&t);
+    return w.status == SP_OK ? CLI_OK : cli_fail(&err);
+}

@@ -43,6 +43,9 @@ void cli_warn_packing(const cli_common *common, const char *path, const sp_packi
 /* Adds the numbers of zero modes as comments. */
 void cli_zero_modes(cli_writer *w, const sp_zero_modes *z);
 
+/* Runs a command that prints one table and reads no packings. Returns the exit status. */
+int cli_run_table(void *arguments, sp_status (*work)(void *arguments, cli_writer *w));
+
 /* SP_EREFUSED for a packing in a periodic cell. `what`, such as "a front", begins at a wall. */
 sp_status cli_need_walls(const sp_packing *p, const char *what, sp_error *err);
 

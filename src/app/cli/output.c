@@ -45,6 +45,10 @@ static const char *ending_of(const char *path) {
 
 bool cli_has_ending(const char *path, const char *ending) { return strcasecmp(ending_of(path), ending) == 0; }
 
+bool cli_is_foreign_table(const char *path) {
+    return cli_has_ending(path, ".mat") || cli_has_ending(path, ".sac") || cli_has_ending(path, ".slist");
+}
+
 static file_kind kind_by_ending(const char *path) {
     for (size_t k = 0; k < sizeof endings / sizeof *endings; k++)
         if (cli_has_ending(path, endings[k].ending))
