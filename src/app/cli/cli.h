@@ -257,6 +257,7 @@ typedef struct cli_writer {
 
 /* Columns of one kind: pairs of name and unit, ended by NULL. */
 void cli_columns(cli_writer *w, sp_column_kind kind, ...) __attribute__((sentinel));
+void cli_place_columns(cli_writer *w, int dim); /* x, y and z, as many as there are */
 void cli_comment(cli_writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
 /* The comment "key = value", with all digits of the value. */
 void cli_value(cli_writer *w, const char *key, double value);

@@ -92,12 +92,11 @@ static sp_status stability(const cli_file *file, cli_writer *w) {
 
 /* ---- --vectors: of all modes as a file, or the displacements of one as a table ----------------------------------- */
 
-static const char *const places[] = {"x", "y", "z"}, *const components[] = {"ux", "uy", "uz", "rx", "ry", "rz"};
+static const char *const components[] = {"ux", "uy", "uz", "rx", "ry", "rz"};
 
 static void displacement_columns(const sp_network *net, cli_writer *w) {
     cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
-    for (int a = 0; a < net->dim; a++)
-        cli_columns(w, SP_COLUMN_NUMBER, places[a], "d", NULL);
+    cli_place_columns(w, net->dim);
     cli_columns(w, SP_COLUMN_NUMBER, "radius", "d", NULL);
     for (int a = 0; a < net->dof; a++) /* in 2D the only rotation is about z */
         cli_columns(w, SP_COLUMN_NUMBER, components[a >= net->dim && net->dim == 2 ? 5 : a],

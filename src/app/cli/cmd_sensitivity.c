@@ -202,22 +202,12 @@ static sp_status differentiate(const arguments *a, const cli_file *file, sp_grad
     }
 }
 
-enum { COLUMNS_MAX = 16 };
-
-/* A row of numbers that grows. */
-typedef struct row {
-    int n;
-    double at[COLUMNS_MAX];
-} row;
-
-static void put(row *r, double x) { r->at[r->n++] = x; }
-
 /* A derivative by the logarithm of a parameter, and its error. */
-static void put_partial(row *r, const sp_partials *d, int64_t k, double parameter) {
+static void put_partial(cli_writer *w, const sp_partials *d, int64_t k, double parameter) {
     if (d->n == 0)
         return;
-    put(r, parameter * d->d[k]);
-    put(r, parameter * d->error[k]);
+    cli_put(w, parameter * d->d[k]);
+    cli_put(w, parameter * d->error[k]);
 }
 
 static void columns_of(cli_writer *w, const sp_partials *d, const char *name, const char *error, const char *unit) {
@@ -225,37 +215,30 @@ static void columns_of(cli_writer *w, const sp_partials *d, const char *name, co
         cli_columns(w, SP_COLUMN_NUMBER, name, unit, error, unit, NULL);
 }
 
-static void place_columns(cli_writer *w, int dim) {
-    static const char *const axes[] = {"x", "y", "z"};
-    for (int a = 0; a < dim; a++)
-        cli_columns(w, SP_COLUMN_NUMBER, axes[a], "d", NULL);
-}
-
 /* The middle of the line that a contact is drawn along. */
-static void put_contact(row *r, const sp_network *net, int32_t k) {
+static void put_contact(cli_writer *w, const sp_network *net, int32_t k) {
     const sp_spring *s = &net->springs[k];
-    put(r, s->contact);
-    put(r, net->grain[s->i]);
-    put(r, s->j < 0 ? s->j : net->grain[s->j]);
+    cli_put(w, s->contact);
+    cli_put(w, net->grain[s->i]);
+    cli_put(w, s->j < 0 ? s->j : net->grain[s->j]);
     for (int a = 0; a < net->dim; a++)
-        put(r, net->x[3 * (int64_t)s->i + a] + (s->j < 0 ? 1 : 0.5) * net->length[k] * s->n[a]);
-    put(r, s->kn);
-    put(r, s->kt);
+        cli_put(w, net->x[3 * (int64_t)s->i + a] + (s->j < 0 ? 1 : 0.5) * net->length[k] * s->n[a]);
+    cli_put(w, s->kn);
+    cli_put(w, s->kt);
 }
 
 static sp_status contact_rows(const cli_file *file, const sp_gradient *g, const char *unit, cli_writer *w) {
     const sp_network *net = &file->network;
     cli_columns(w, SP_COLUMN_INTEGER, "contact", "", "i", "", "j", "", NULL);
-    place_columns(w, net->dim);
+    cli_place_columns(w, net->dim);
     cli_columns(w, SP_COLUMN_NUMBER, "kn", "E* d", "kt", "E* d", NULL);
     columns_of(w, &g->kn, "by_kn", "by_kn_err", unit);
     columns_of(w, &g->kt, "by_kt", "by_kt_err", unit);
-    for (int32_t k = 0; k < net->n_springs && w->status == SP_OK; k++) {
-        row r = {0};
-        put_contact(&r, net, k);
-        put_partial(&r, &g->kn, k, net->springs[k].kn);
-        put_partial(&r, &g->kt, k, net->springs[k].kt);
-        w->status = sp_table_add_numbers(w->table, r.at, w->err);
+    for (int32_t k = 0; k < net->n_springs; k++) {
+        put_contact(w, net, k);
+        put_partial(w, &g->kn, k, net->springs[k].kn);
+        put_partial(w, &g->kt, k, net->springs[k].kt);
+        cli_end_row(w);
     }
     return w->status;
 }
@@ -264,7 +247,7 @@ static sp_status grain_rows(const cli_file *file, const sp_gradient *g, const ch
     static const char *const names[] = {"by_x", "by_y", "by_z"};
     const sp_network *net = &file->network;
     cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
-    place_columns(w, net->dim);
+    cli_place_columns(w, net->dim);
     cli_columns(w, SP_COLUMN_NUMBER, "r", "d", "mass", "rho d^3", NULL);
     columns_of(w, &g->mass, "by_mass", "by_mass_err", unit);
     columns_of(w, &g->radius, "by_radius", "by_radius_err", unit);
@@ -272,21 +255,20 @@ static sp_status grain_rows(const cli_file *file, const sp_gradient *g, const ch
         cli_columns(w, SP_COLUMN_NUMBER, names[a], unit, NULL);
     if (g->position.n > 0)
         cli_columns(w, SP_COLUMN_NUMBER, "by_position_err", unit, NULL);
-    for (int32_t k = 0; k < net->n && w->status == SP_OK; k++) {
+    for (int32_t k = 0; k < net->n; k++) {
         const double mass = net->mass[(int64_t)k * net->dof];
-        row r = {0};
-        put(&r, net->grain[k]);
+        cli_put(w, net->grain[k]);
         for (int a = 0; a < net->dim; a++)
-            put(&r, net->x[3 * (int64_t)k + a]);
-        put(&r, net->r[k]);
-        put(&r, mass);
-        put_partial(&r, &g->mass, k, mass);
-        put_partial(&r, &g->radius, k, net->r[k]);
+            cli_put(w, net->x[3 * (int64_t)k + a]);
+        cli_put(w, net->r[k]);
+        cli_put(w, mass);
+        put_partial(w, &g->mass, k, mass);
+        put_partial(w, &g->radius, k, net->r[k]);
         for (int a = 0; a < net->dim && g->position.n > 0; a++)
-            put(&r, g->position.d[3 * (int64_t)k + a]);
+            cli_put(w, g->position.d[3 * (int64_t)k + a]);
         if (g->position.n > 0)
-            put(&r, g->position.error[3 * (int64_t)k]);
-        w->status = sp_table_add_numbers(w->table, r.at, w->err);
+            cli_put(w, g->position.error[3 * (int64_t)k]);
+        cli_end_row(w);
     }
     return w->status;
 }

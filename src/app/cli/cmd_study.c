@@ -107,18 +107,14 @@ static const cli_syntax syntax = {
     .files_max = 1,
     .check = check};
 
-/* The tables of study.want, in their usual order. */
+/* The tables of study.want, in the order of cli_table_names. */
 static cli_tables tables_of(const cli_common *common, const sp_scene *scene) {
-    static const struct {
-        unsigned want;
-        const char *name;
-    } all[] = {{SP_WANT_CTOF, "ctof"},        {SP_WANT_SCALING, "scaling"}, {SP_WANT_PLANES, "planes"},
-               {SP_WANT_STATICS, "statics"},  {SP_WANT_MODULI, "moduli"},   {SP_WANT_PROBES, "probes"},
-               {SP_WANT_SPECTRUM, "spectrum"}};
+    static const unsigned want[] = {SP_WANT_CTOF,   SP_WANT_SCALING, SP_WANT_PLANES,  SP_WANT_STATICS,
+                                    SP_WANT_MODULI, SP_WANT_PROBES,  SP_WANT_SPECTRUM};
     cli_tables tables = {.common = common, .scene = scene, .filter = cli_filter_none()};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        if (scene->want & all[k].want)
-            tables.name[tables.count++] = all[k].name;
+    for (size_t k = 0; k < sizeof want / sizeof *want; k++)
+        if (scene->want & want[k])
+            tables.name[tables.count++] = cli_table_names[k];
     return tables;
 }
 
@@ -156,17 +152,14 @@ static bool watch(const sp_study_progress *progress, void *user) {
 
 /* Tells the other ranks what this one computes: the scene, the store and the shard. */
 static sp_status announce(const arguments *a, const sp_scene *scene, sp_error *err) {
-    char *text = sp_scene_text(scene, NULL);
-    const size_t size = text ? strlen(text) + strlen(a->store) + 64 : 0;
-    char *what = text ? sp_alloc(size, 1) : NULL;
-    if (what) {
-        snprintf(what, size, "%s\n%s\n%d/%d", text, a->store, a->study.shard, a->study.shards);
-        cli_ranks_begin(what);
-    }
-    sp_status status = what ? SP_OK : sp_fail_memory(err, 1 << 14);
-    sp_free(what);
+    char *text = sp_scene_text(scene, NULL), *what = NULL;
+    const int size = text ? asprintf(&what, "%s\n%s\n%d/%d", text, a->store, a->study.shard, a->study.shards) : -1;
     sp_free(text);
-    return status;
+    if (size < 0)
+        return sp_fail_memory(err, 1 << 14);
+    cli_ranks_begin(what);
+    free(what);
+    return SP_OK;
 }
 
 /* Refuses before the work what no sample could have: most results of the command lead from wall to wall, and probes
@@ -322,11 +315,9 @@ static void read_arguments(arguments *a, int argc, char **argv) {
     /* with several ranks, one thread each is the default */
     a->common.threads = a->ranks.size > 1 ? 1 : 0;
     cli_parse(&syntax, argc, argv, a);
-    for (int file = STDOUT_FILENO; file <= STDERR_FILENO; file++) {
-        if (keep[file - STDOUT_FILENO] >= 0) {
-            dup2(keep[file - STDOUT_FILENO], file);
-            close(keep[file - STDOUT_FILENO]);
-        }
+    for (int file = STDOUT_FILENO; file <= STDERR_FILENO && a->ranks.rank > 0; file++) {
+        dup2(keep[file - STDOUT_FILENO], file);
+        close(keep[file - STDOUT_FILENO]);
     }
 }
 

@@ -371,35 +371,34 @@ static void add_columns(const column *c, cli_writer *w) {
     cli_columns(w, SP_COLUMN_INTEGER, "samples", "", NULL);
 }
 
-/* A row: what is in front, `at' numbers, then the values with their errors, and how many packings gave the first. */
-static void add_row(const column *c, const mean *m, int at, double *row, cli_writer *w) {
+/* The values with their errors, and how many packings gave the first, end a row. */
+static void end_row(const column *c, const mean *m, cli_writer *w) {
     const mean *first = m;
     for (; c->name; c++, m++) {
-        row[at++] = value_of(m);
+        cli_put(w, value_of(m));
         if (c->has_error)
-            row[at++] = error_of(m);
+            cli_put(w, error_of(m));
     }
-    row[at] = (double)first->n;
-    CLI_THEN(w->status, sp_table_add_numbers(w->table, row, w->err));
+    cli_put(w, (double)first->n);
+    cli_end_row(w);
 }
 
 static void print_values(const arguments *a, cli_writer *w) {
     const column *c = columns[a->common.kind];
-    double row[2 * VALUES_MAX + 4];
+    const bool energy = a->common.kind == ENERGY;
     cli_columns(w, SP_COLUMN_NUMBER, "omega", RATE, NULL);
-    if (a->common.kind == ENERGY)
+    if (energy)
         cli_columns(w, SP_COLUMN_NUMBER, "t", TIME, "plane", "", NULL);
     add_columns(c, w);
-    for (int32_t l = 0; l < a->n; l++) {
-        row[0] = a->omega[l];
-        for (int k = 0; a->common.kind == ENERGY && k < BURST_ROWS; k++) {
-            row[1] = burst_time(a, k / PLANES);
-            row[2] = (k % PLANES + 1.0) / (PLANES + 1);
-            add_row(c, a->mean + ((int64_t)l * BURST_ROWS + k) * BURST_VALUES, 3, row, w);
+    for (int32_t l = 0; l < a->n; l++)
+        for (int k = 0; k < (energy ? BURST_ROWS : 1); k++) {
+            cli_put(w, a->omega[l]);
+            if (energy) {
+                cli_put(w, burst_time(a, k / PLANES));
+                cli_put(w, (k % PLANES + 1.0) / (PLANES + 1));
+            }
+            end_row(c, energy ? a->mean + ((int64_t)l * BURST_ROWS + k) * BURST_VALUES : means_at(a, l), w);
         }
-        if (a->common.kind != ENERGY)
-            add_row(c, means_at(a, l), 1, row, w);
-    }
 }
 
 static void print_coherent(const arguments *a, cli_writer *w) {

@@ -265,6 +265,12 @@ void cli_columns(cli_writer *w, sp_column_kind kind, ...) {
     va_end(list);
 }
 
+void cli_place_columns(cli_writer *w, int dim) {
+    static const char *const axes[] = {"x", "y", "z"};
+    for (int a = 0; a < dim; a++)
+        cli_columns(w, SP_COLUMN_NUMBER, axes[a], "d", NULL);
+}
+
 void cli_comment(cli_writer *w, const char *format, ...) {
     char line[2048]; /* as sp_table_add_comment has */
     va_list list;
