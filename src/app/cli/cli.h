@@ -49,23 +49,6 @@ typedef struct cli_common {
     char **file;
 } cli_common;
 
-/* ---- commands ---------------------------------------------------------------------------------------------------- */
-
-/* argv[0] is "sonopack NAME". Returns the exit status. */
-typedef int cli_command(int argc, char **argv);
-cli_command cmd_amplitude, cmd_chain, cmd_check, cmd_coda, cmd_column, cmd_completion, cmd_design, cmd_front, cmd_modes,
-    cmd_moduli, cmd_pack, cmd_sensitivity, cmd_signal, cmd_spectrum, cmd_statics, cmd_study, cmd_table, cmd_uncertainty,
-    cmd_transport, cmd_wave;
-cli_command cmd_dispatch; /* executes `sonopack-NAME' of the Python package */
-
-/* The commands, in the order of the overview. */
-typedef struct cli_command_row {
-    const char *name; /* NULL: after the last */
-    cli_command *run; /* NULL: `help' */
-    const char *meaning;
-} cli_command_row;
-extern const cli_command_row *cli_commands; /* set by main */
-
 /* ---- options ----------------------------------------------------------------------------------------------------- */
 
 typedef enum cli_option_kind {
@@ -115,11 +98,33 @@ typedef struct cli_syntax {
 
 enum { CLI_ANY_NUMBER = 1 << 30 };
 
+/* ---- commands ---------------------------------------------------------------------------------------------------- */
+
+/* argv[0] is "sonopack NAME". Returns the exit status. */
+typedef int cli_command(int argc, char **argv);
+cli_command cmd_amplitude, cmd_chain, cmd_check, cmd_coda, cmd_column, cmd_completion, cmd_design, cmd_front, cmd_modes,
+    cmd_moduli, cmd_pack, cmd_sensitivity, cmd_signal, cmd_spectrum, cmd_statics, cmd_study, cmd_table, cmd_uncertainty,
+    cmd_transport, cmd_wave;
+extern const cli_syntax cmd_amplitude_syntax, cmd_chain_syntax, cmd_check_syntax, cmd_coda_syntax, cmd_column_syntax,
+    cmd_completion_syntax, cmd_design_syntax, cmd_front_syntax, cmd_modes_syntax, cmd_moduli_syntax, cmd_pack_syntax,
+    cmd_sensitivity_syntax, cmd_signal_syntax, cmd_spectrum_syntax, cmd_statics_syntax, cmd_study_syntax,
+    cmd_table_syntax, cmd_transport_syntax, cmd_uncertainty_syntax, cmd_wave_syntax;
+cli_command cmd_dispatch; /* executes `sonopack-NAME' of the Python package */
+
+/* The commands, in the order of the overview. */
+typedef struct cli_command_row {
+    const char *name;         /* NULL: after the last */
+    cli_command *run;         /* NULL: `help' */
+    const cli_syntax *syntax; /* NULL: the program has its own */
+    const char *meaning;
+} cli_command_row;
+extern const cli_command_row *cli_commands; /* set by main */
+
+/* ---- the command line ---------------------------------------------------------------------------------------- */
+
 /* Reads the command line. Prints the reason and exits if it is wrong; prints and exits for --help. */
 void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments);
-/* What a command would read: its syntax, and option k of its own and the common ones, headings included; NULL after the
- * last. For completion. */
-const cli_syntax *cli_syntax_of(const cli_command_row *command);
+/* Option k of a command's own and the common ones, headings included; NULL after the last. For completion. */
 const cli_option *cli_option_at(const cli_syntax *syntax, int k);
 /* Whether the command line has this option. */
 bool cli_given(const cli_syntax *syntax, const cli_common *common, const char *name);

@@ -360,7 +360,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, o.source), .words = cli_source_names},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_amplitude_syntax = {
     .usage = "FILE...",
     .help =
         "The front of a pulse at the bottom wall as it grows loud, from the nonlinear motion of packings: Hertz's "
@@ -442,7 +442,7 @@ int cmd_amplitude(int argc, char **argv) {
     arguments a = {.o = sp_amplitude_options_default(), .n = 5};
     for (int k = 0; k < a.n; k++)
         a.amplitude[k] = (const double[]){0.001, 0.01, 0.1, 1, 10}[k];
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_amplitude_syntax, argc, argv, &a);
     const int status = cli_run_files(&command, &a);
     sp_free(a.means.group);
     return status;

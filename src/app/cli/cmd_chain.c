@@ -79,7 +79,7 @@ static const cli_option options[] = {
      .kinds = "localisation"},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_chain_syntax = {
     .usage = "KIND",
     .help =
         "The chain of N equal balls between two walls in closed form (Somfai et al. 2005, Section V A and Appendix "
@@ -371,6 +371,6 @@ int cmd_chain(int argc, char **argv) {
                    .points = 1001,
                    .disorder = 0.3,
                    .seed = 1};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_chain_syntax, argc, argv, &a);
     return cli_run_table(&a, work);
 }

@@ -15,7 +15,7 @@ static const cli_option options[] = {{"tolerance", "EPS", "Largest relative erro
                                       .field = offsetof(arguments, tolerance), .high = 1},
                                      {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_check_syntax = {
     .usage = "FILE...",
     .help =
         "Checks packings: structure, overlaps, contact forces, balance of forces and torques, Coulomb's condition, "
@@ -79,6 +79,6 @@ static sp_status check_file(void *user, cli_file *file, cli_writer *w) {
 int cmd_check(int argc, char **argv) {
     static const cli_files command = {.groups = "network", .begin = add_columns, .add = check_file};
     arguments a = {.tolerance = CLI_AUDIT_TOLERANCE};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_check_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

@@ -52,8 +52,6 @@ static const cli_option options[] = {
      .high = INT32_MAX},
     {0}};
 
-static const cli_syntax syntax;
-
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
     const bool measured = a->before || a->after;
@@ -61,14 +59,15 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "--before and --after: must be given both");
     if (measured + (a->grain >= 0) + (a->trials > 0) != 1)
         return sp_fail(err, SP_EINVAL, "one of --grain I, --trials N, and --before with --after must be given");
-    sp_status status = cli_need(&syntax, &a->common, "rows", a->trials == 0, "--grain, or --before and --after", err);
+    sp_status status =
+        cli_need(&cmd_coda_syntax, &a->common, "rows", a->trials == 0, "--grain, or --before and --after", err);
     static const char *const computed[] = {"change", "points", "seed"};
     for (size_t k = 0; k < sizeof computed / sizeof *computed && status == SP_OK; k++)
-        status = cli_need(&syntax, &a->common, computed[k], !measured, "--grain or --trials", err);
+        status = cli_need(&cmd_coda_syntax, &a->common, computed[k], !measured, "--grain or --trials", err);
     return status;
 }
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_coda_syntax = {
     .usage = "FILE",
     .help =
         "Coda-wave interferometry: finds the grain whose contacts have changed from the change of the signals, most "
@@ -388,6 +387,6 @@ int cmd_coda(int argc, char **argv) {
                    .rows = 20,
                    .window = {NAN, NAN},
                    .sources = {.sources = true}};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_coda_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

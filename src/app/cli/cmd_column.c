@@ -9,7 +9,7 @@ typedef struct arguments {
     double begun;
 } arguments;
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_column_syntax = {
     .usage = "[SCENE]",
     .help =
         "A vertical column of particles on a floor that is tapped, described by the keys column.* of a scene (cm, g, "
@@ -76,6 +76,6 @@ static sp_status work(void *user, cli_writer *w) {
 
 int cmd_column(int argc, char **argv) {
     arguments a = {0};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_column_syntax, argc, argv, &a);
     return cli_run_table(&a, work);
 }

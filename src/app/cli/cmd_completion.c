@@ -220,8 +220,8 @@ static int print_words(int count, char **word) {
         put_commands();
         put_words(&plain, (const char *const[]){"scene", NULL});
         put_keys(&plain, "");
-    } else if (row->run != cmd_dispatch) {
-        put_line(cli_syntax_of(row), count - 1, word + 1);
+    } else if (row->syntax) {
+        put_line(row->syntax, count - 1, word + 1);
     } else {
         char name[64], words[] = "--words", *arguments[] = {name, words, NULL};
         snprintf(name, sizeof name, "sonopack %s", row->name);
@@ -241,16 +241,16 @@ typedef struct arguments {
 
 static const cli_option options[] = {{0}};
 
-static const cli_syntax syntax = {.usage = "SHELL",
-                                  .help = "Prints the completions of sonopack for bash, zsh or fish.\v"
-                                          "An installation has them already. For a build tree:\n"
-                                          "\n"
-                                          "  source <(build/release/sonopack completion bash)\n"
-                                          "  source <(build/release/sonopack completion zsh)\n"
-                                          "  build/release/sonopack completion fish | source",
-                                  .options = options,
-                                  .kinds = shells,
-                                  .kind_name = "shell"};
+const cli_syntax cmd_completion_syntax = {.usage = "SHELL",
+                                          .help = "Prints the completions of sonopack for bash, zsh or fish.\v"
+                                                  "An installation has them already. For a build tree:\n"
+                                                  "\n"
+                                                  "  source <(build/release/sonopack completion bash)\n"
+                                                  "  source <(build/release/sonopack completion zsh)\n"
+                                                  "  build/release/sonopack completion fish | source",
+                                          .options = options,
+                                          .kinds = shells,
+                                          .kind_name = "shell"};
 
 /* Nothing in a file tells that it has completions, so none is replaced. */
 static sp_status write_text(const cli_common *common, const char *text, sp_error *err) {
@@ -267,6 +267,6 @@ int cmd_completion(int argc, char **argv) {
     sp_error err = {0};
     if (argc > 1 && strcmp(argv[1], "--words") == 0)
         return print_words(argc - 2, argv + 2);
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_completion_syntax, argc, argv, &a);
     return write_text(&a.common, scripts[a.common.kind], &err) == SP_OK ? CLI_OK : cli_fail(&err);
 }

@@ -71,7 +71,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, o.source), .words = cli_source_names},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_design_syntax = {
     .usage = "FILE",
     .help =
         "Which grains to make heavier, stiffer or larger so that the front arrives late or early, or little passes in "
@@ -177,6 +177,6 @@ int cmd_design(int argc, char **argv) {
         .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = design};
     arguments a = {.o = sp_design_options_default(), .limits = {NAN, NAN}};
     a.o.iterations = 50;
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_design_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

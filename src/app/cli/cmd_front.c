@@ -173,7 +173,7 @@ static const cli_option options[] = {
      CLI_TEXT, .field = offsetof(arguments, column)},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_front_syntax = {
     .usage = "FILE...",
     .help =
         "Arrival, peak and width of the first wave front. A FILE is a packing, whose signal is computed, or a "
@@ -342,7 +342,7 @@ static void merge_units(sp_table *t, const arrival *m) {
 static void add_notes(const arguments *a, const char *path, bool packing, const sp_front *f) {
     if (packing && a->column)
         cli_note(&a->common, "%s: is a packing: --column is not used", path);
-    if (!packing && cli_given(&syntax, &a->common, "source"))
+    if (!packing && cli_given(&cmd_front_syntax, &a->common, "source"))
         cli_note(&a->common, "%s: is a trace: --source is not used", path);
     if (!packing && a->common.sets > 0)
         cli_note(&a->common, "%s: is a trace: --set is not used", path);
@@ -445,6 +445,6 @@ static sp_status add_file(void *user, cli_file *file, cli_writer *w) {
 int cmd_front(int argc, char **argv) {
     static const cli_files command = {.groups = "network signal", .begin = add_columns, .add = add_file};
     arguments a = {.window = {.number = NAN}, .distance = {.number = NAN}};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_front_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

@@ -254,7 +254,7 @@ static const cli_option options[] = {
     CLI_DRY_RUN,
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_modes_syntax = {
     .usage = "FILE",
     .help =
         "Eigenfrequencies of the spring network of a packing between fixed walls, and the weight of each mode in the "
@@ -393,6 +393,6 @@ int cmd_modes(int argc, char **argv) {
                                       .plan = plan,
                                       .kernels = 1U << SP_KERNEL_DENSE | 1U << SP_KERNEL_SPARSE};
     arguments a = {.range = sp_modes_range_all(), .mode = -1};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_modes_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

@@ -79,7 +79,7 @@ static const cli_option options[] = {
      .parse = add_strain},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_moduli_syntax = {
     .usage = "FILE...",
     .help =
         "Elastic moduli of packings from an imposed homogeneous strain, in which the contact points on the walls take "
@@ -353,6 +353,6 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
 int cmd_moduli(int argc, char **argv) {
     static const cli_files command = {.groups = "network", .contents = CLI_NETWORK, .add = add_rows};
     arguments a = {.margin = 3};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_moduli_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

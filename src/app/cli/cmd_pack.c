@@ -165,7 +165,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, engine.collect)},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_pack_syntax = {
     .usage = "[SCENE] -o FILE\n"
              "[SCENE] --engine lammps --prepare DIR\n"
              "--engine lammps --collect DIR -o FILE",
@@ -429,7 +429,7 @@ static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *er
 
 int cmd_pack(int argc, char **argv) {
     arguments a = {.every = 10};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_pack_syntax, argc, argv, &a);
     if (a.engine.lammps) {
         char name[] = "sonopack pack-lammps";
         argv[0] = name;

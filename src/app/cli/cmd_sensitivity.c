@@ -309,8 +309,6 @@ static const cli_option options[] = {
      .field = offsetof(arguments, detectors)},
     {0}};
 
-static const cli_syntax syntax;
-
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
     const bool wave = a->of.kind == SENSITIVITY_FRONT || a->of.kind == SENSITIVITY_SIGNAL;
@@ -320,14 +318,15 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "--from and --detector: one place each");
     if (!wave && (a->sources.n > 0 || a->detectors.n > 0 || a->pulse.word))
         return sp_fail(err, SP_EINVAL, "--from, --detector and --pulse: only for a front or for F");
-    sp_status status = cli_need(&syntax, &a->common, "source", wave, "a front or F", err);
-    CLI_THEN(status, cli_need(&syntax, &a->common, "until", a->of.kind == SENSITIVITY_FRONT, "a front", err));
-    return status == SP_OK
-               ? cli_need(&syntax, &a->common, "margin", a->of.kind == SENSITIVITY_MODULUS, "c_l or c_t", err)
-               : status;
+    sp_status status = cli_need(&cmd_sensitivity_syntax, &a->common, "source", wave, "a front or F", err);
+    CLI_THEN(status,
+             cli_need(&cmd_sensitivity_syntax, &a->common, "until", a->of.kind == SENSITIVITY_FRONT, "a front", err));
+    return status == SP_OK ? cli_need(&cmd_sensitivity_syntax, &a->common, "margin", a->of.kind == SENSITIVITY_MODULUS,
+                                      "c_l or c_t", err)
+                           : status;
 }
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_sensitivity_syntax = {
     .usage = "FILE",
     .help =
         "Exact derivatives of the arrival of a pulse, of the signal, of frequencies and of elastic moduli by the "
@@ -420,7 +419,7 @@ int cmd_sensitivity(int argc, char **argv) {
                    .at = -1,
                    .margin = 3,
                    .sources = {.sources = true}};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_sensitivity_syntax, argc, argv, &a);
     const int status = cli_run_files(&command, &a);
     cli_pulse_free(&a.pulse);
     return status;

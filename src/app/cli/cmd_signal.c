@@ -94,7 +94,7 @@ static const cli_option options[] = {
     CLI_DRY_RUN,
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_signal_syntax = {
     .usage = "FILE",
     .help =
         "Force on the top wall, minus its value at rest, after a short pulse at the bottom wall, from the linear "
@@ -132,9 +132,9 @@ static sp_status set_options(arguments *a, const sp_scene *scene, const sp_packi
     sp_signal_options o = scene->signal;
     if (o.solver != SP_SOLVER_AUTO && o.method != SP_SIGNAL_SPARSE)
         return sp_fail(err, SP_EINVAL, "--solver: applies only to --method sparse");
-    if (cli_given(&syntax, &a->common, "amplitude") && o.method != SP_SIGNAL_DYNAMICS)
+    if (cli_given(&cmd_signal_syntax, &a->common, "amplitude") && o.method != SP_SIGNAL_DYNAMICS)
         return sp_fail(err, SP_EINVAL, "--amplitude: applies only to --method dynamics, the other signals are linear");
-    if (o.method == SP_SIGNAL_DYNAMICS && !cli_given(&syntax, &a->common, "tolerance"))
+    if (o.method == SP_SIGNAL_DYNAMICS && !cli_given(&cmd_signal_syntax, &a->common, "tolerance"))
         o.tolerance = fmax(o.tolerance, DYNAMICS_TOLERANCE);
     if (a->source != NOT_GIVEN)
         o.source = (sp_source)a->source;
@@ -288,7 +288,7 @@ int cmd_signal(int argc, char **argv) {
                                       .kernels =
                                           1U << SP_KERNEL_STEP | 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_DENSE};
     arguments a = {.source = NOT_GIVEN, .sources = {.sources = true}};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_signal_syntax, argc, argv, &a);
     const int status = cli_run_files(&command, &a);
     cli_pulse_free(&a.pulse);
     return status;

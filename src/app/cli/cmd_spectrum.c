@@ -385,7 +385,7 @@ static const cli_option options[] = {
     CLI_DRY_RUN,
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_spectrum_syntax = {
     .usage = "KIND FILE",
     .help =
         "Spectra of the spring network of a packing between fixed walls. KIND is one of:\n"
@@ -472,6 +472,6 @@ int cmd_spectrum(int argc, char **argv) {
                    .direction = -1,
                    .lowest = 12,
                    .node = -1};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_spectrum_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

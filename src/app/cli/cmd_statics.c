@@ -11,7 +11,7 @@ static const cli_option options[] = {{"margin", "D", "Leave out layers of this t
                                       CLI_NUMBER, .field = offsetof(arguments, margin), .high = 1e6, .unit = "d"},
                                      {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_statics_syntax = {
     .usage = "FILE...",
     .help =
         "Densities, contacts, forces and stress of packings, averaged over the bulk.\v"
@@ -67,6 +67,6 @@ int cmd_statics(int argc, char **argv) {
     static const cli_files command = {
         .groups = "network", .contents = CLI_PACKING, .begin = add_columns, .add = add_row};
     arguments a = {.margin = 3};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_statics_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

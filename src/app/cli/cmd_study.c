@@ -75,7 +75,7 @@ static const cli_option options[] = {
     CLI_DRY_RUN,
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_study_syntax = {
     .usage = "[SCENE] --store DIR",
     .help =
         "Computes every sample of a scene that is not in the store yet, and prints the tables that the scene asks "
@@ -314,7 +314,7 @@ static void read_arguments(arguments *a, int argc, char **argv) {
     }
     /* with several ranks, one thread each is the default */
     a->common.threads = a->ranks.size > 1 ? 1 : 0;
-    cli_parse(&syntax, argc, argv, a);
+    cli_parse(&cmd_study_syntax, argc, argv, a);
     for (int file = STDOUT_FILENO; file <= STDERR_FILENO && a->ranks.rank > 0; file++) {
         dup2(keep[file - STDOUT_FILENO], file);
         close(keep[file - STDOUT_FILENO]);

@@ -40,7 +40,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, omega_max), .low = 1e-12, .high = 1e9, .kinds = "spectrum"},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_table_syntax = {
     .usage = "NAME --store DIR [SCENE]",
     .help =
         "Prints a table of the samples in a store.\v"
@@ -119,7 +119,7 @@ static sp_status work(arguments *a, sp_scene *scene, sp_store **store, sp_error 
 
 int cmd_table(int argc, char **argv) {
     arguments a = {.filter = cli_filter_none(), .level = sp_table_options_default().level};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_table_syntax, argc, argv, &a);
     sp_error err = {0};
     sp_scene scene = sp_scene_default();
     sp_store *store = NULL;

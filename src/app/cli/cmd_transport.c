@@ -81,7 +81,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, section.shear), .kinds = "coherent"},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_transport_syntax = {
     .usage = "FILE...",
     .help =
         "How the energy of sound moves through packings: diffusivity and mean free paths at each frequency.\v"
@@ -461,7 +461,7 @@ static const cli_option wave_options[] = {
      .field = offsetof(arguments, section.source), .words = cli_source_names},
     {0}};
 
-static const cli_syntax wave_syntax = {
+const cli_syntax cmd_wave_syntax = {
     .usage = "FILE...",
     .help =
         "Phase speed and attenuation of the coherent wave that a pulse at the bottom wall sends up through packings.\v"
@@ -566,11 +566,11 @@ int cmd_transport(int argc, char **argv) {
                                       .begin = begin,
                                       .add = add_packing,
                                       .end = add_rows};
-    return run(&syntax, &command, argc, argv);
+    return run(&cmd_transport_syntax, &command, argc, argv);
 }
 
 int cmd_wave(int argc, char **argv) {
     static const cli_files command = {
         .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = add_wave, .end = wave_rows};
-    return run(&wave_syntax, &command, argc, argv);
+    return run(&cmd_wave_syntax, &command, argc, argv);
 }

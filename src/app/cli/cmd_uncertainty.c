@@ -54,19 +54,17 @@ static const cli_option options[] = {
      .field = offsetof(arguments, o.source), .words = cli_source_names},
     {0}};
 
-static const cli_syntax syntax;
-
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
     const bool missing = a->o.errors.missing > 0;
-    sp_status status = cli_need(&syntax, &a->common, "gap", missing, "--missing", err);
-    CLI_THEN(status, cli_need(&syntax, &a->common, "missing-force", missing, "--missing", err));
-    return status == SP_OK
-               ? cli_need(&syntax, &a->common, "margin", !a->front_only, "moduli, which --front-only leaves out", err)
-               : status;
+    sp_status status = cli_need(&cmd_uncertainty_syntax, &a->common, "gap", missing, "--missing", err);
+    CLI_THEN(status, cli_need(&cmd_uncertainty_syntax, &a->common, "missing-force", missing, "--missing", err));
+    return status == SP_OK ? cli_need(&cmd_uncertainty_syntax, &a->common, "margin", !a->front_only,
+                                      "moduli, which --front-only leaves out", err)
+                           : status;
 }
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_uncertainty_syntax = {
     .usage = "FILE",
     .help =
         "Errors of the sound that is computed from a measured packing: of the first front, the moduli, the speeds of "
@@ -189,6 +187,6 @@ int cmd_uncertainty(int argc, char **argv) {
     a.o.samples = 200;
     a.o.seed = 1;
     a.o.modes = 0;
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_uncertainty_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

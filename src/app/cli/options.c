@@ -6,7 +6,6 @@
 
 #include <argp.h>
 #include <sched.h>
-#include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -348,25 +347,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     return 0;
 }
 
-/* cli_syntax_of runs a command up to here, where it has done nothing yet, and jumps back. */
-static struct {
-    bool asked;
-    jmp_buf back;
-    const cli_syntax *syntax;
-} question;
-
 const cli_command_row *cli_commands;
-
-const cli_syntax *cli_syntax_of(const cli_command_row *command) {
-    char name[64], *arguments[] = {name, NULL};
-    snprintf(name, sizeof name, "sonopack %s", command->name);
-    question.syntax = NULL;
-    question.asked = true;
-    if (command->run && setjmp(question.back) == 0)
-        command->run(1, arguments);
-    question.asked = false;
-    return question.syntax;
-}
 
 const cli_option *cli_option_at(const cli_syntax *syntax, int k) {
     const cli_option *const lists[] = {syntax->options, syntax->springs ? springs_options : NULL, common_options};
@@ -379,10 +360,6 @@ const cli_option *cli_option_at(const cli_syntax *syntax, int k) {
 
 void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments) {
     cli_common *common = arguments;
-    if (question.asked) {
-        question.syntax = syntax;
-        longjmp(question.back, 1);
-    }
     reading r = {.syntax = syntax, .command = argv[0] + strlen("sonopack "), .arguments = arguments};
     add_options(&r, syntax->options, 0);
     if (syntax->springs)
