@@ -248,10 +248,10 @@ typedef struct stored {
 static sp_status make_table(const cli_tables *tables, const char *name, const stored *all, const choice *of,
                             sp_table *out, sp_error *err) {
     const sp_table_options options = {.level = tables->level};
-    if (strcmp(name, "signal") == 0)
-        return cli_table_signal(all->store, of->n, of->sample, &options, out, err);
-    if (strcmp(name, "spectrum") == 0)
-        return cli_table_spectrum(all->store, of->n, of->sample, &options, &tables->bins, out, err);
+    const cli_averaged averaged = {
+        strcmp(name, "spectrum") == 0, all->store, of->n, of->sample, tables->level, tables->bins};
+    if (averaged.spectrum || strcmp(name, "signal") == 0)
+        return cli_table_averaged(&averaged, out, err);
     return sp_study_table(name, of->n, of->sample, &options, out, err);
 }
 
