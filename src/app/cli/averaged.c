@@ -74,7 +74,6 @@ static sp_status choose_samples(average *a, sp_error *err) {
     return status;
 }
 
-/* Comments: how many samples there are, and of what. */
 static void add_head(const average *a, cli_writer *w) {
     cli_comment(w, "samples = %lld", (long long)a->n);
     if (a->n > 0)
@@ -82,7 +81,6 @@ static void add_head(const average *a, cli_writer *w) {
                     a->sample[0]->grains, a->sample[0]->width, a->sample[0]->friction);
 }
 
-/* Comments: which samples were left out, and why. */
 static void add_left_out(const average *a, cli_writer *w) {
     if (a->n == 0 && a->count > 0)
         cli_comment(w, "no row: none of %lld samples has a stored %s (study.want with %s keeps them)",

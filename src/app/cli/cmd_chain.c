@@ -111,53 +111,36 @@ const cli_syntax cmd_chain_syntax = {
 
 /* ---- lengths ----------------------------------------------------------------------------------------------------- */
 
-/* Reads the integer up to a separator, and moves *text past the separator. */
-static sp_status next_length(const char **text, const char *separators, int64_t *out, sp_error *err) {
-    char word[64];
-    const size_t n = strcspn(*text, separators);
-    snprintf(word, sizeof word, "%.*s", (int)(n < 60 ? n : 60), *text);
-    const sp_status status = cli_integer("--grains", word, 1, GRAINS_MAX, out, err);
-    *text += n + ((*text)[n] != '\0');
-    return status;
-}
-
-/* Reads TO:FACTOR. */
-static sp_status read_range(const char *text, int64_t from, int *count, int64_t *length, sp_error *err) {
-    int64_t to;
-    double factor;
+/* Numbers of balls: N1,N2,... or FROM:TO:FACTOR. */
+static sp_status read_lengths(const char *text, int32_t *count, double *length, sp_error *err) {
+    char list[64];
+    double range[3] = {0};
+    int32_t n = 0;
     if (!strchr(text, ':'))
-        return sp_fail(err, SP_EINVAL, "--grains %lld:%.60s: must be FROM:TO:FACTOR", (long long)from, text);
-    sp_status status = next_length(&text, ":", &to, err);
-    if (status == SP_OK && to < from)
-        status = sp_fail(err, SP_EINVAL, "--grains: from %lld to %lld: TO must not be below FROM", (long long)from,
-                         (long long)to);
-    CLI_THEN(status, cli_number("--grains, factor", text, 1.001, 1e9, &factor, err));
+        return cli_numbers("--grains", text, 1, GRAINS_MAX, LENGTHS_MAX, count, length, err);
+    snprintf(list, sizeof list, "%s", text);
+    for (char *colon = list; (colon = strchr(colon, ':')) != NULL;)
+        *colon = ',';
+    const sp_status status = cli_numbers("--grains", list, 1, 1e9, 3, &n, range, err);
     if (status != SP_OK)
         return status;
-    int64_t last = 0;
-    for (double n = (double)from; *count < LENGTHS_MAX && llround(n) <= to; n *= factor) {
-        if (llround(n) > last)
-            length[(*count)++] = llround(n);
-        last = llround(n);
+    if (n != 3 || range[1] < range[0] || range[1] > GRAINS_MAX || range[2] < 1.001)
+        return sp_fail(err, SP_EINVAL,
+                       "--grains %.60s: must be FROM:TO:FACTOR with FROM <= TO <= %d and a FACTOR of 1.001 or more",
+                       text, GRAINS_MAX);
+    for (double each = range[0], last = 0; *count < LENGTHS_MAX && round(each) <= range[1]; each *= range[2]) {
+        if (round(each) > last)
+            length[(*count)++] = round(each);
+        last = round(each);
     }
     return SP_OK;
 }
 
-static sp_status read_lengths(const char *text, int *count, int64_t *length, sp_error *err) {
-    *count = 0;
-    const bool colon = strchr(text, ':') != NULL;
-    const char *rest = text;
-    do {
-        if (*count == LENGTHS_MAX)
-            return sp_fail(err, SP_EINVAL, "--grains: more than %d lengths", LENGTHS_MAX);
-        const sp_status status = next_length(&rest, colon ? ":" : ",", &length[(*count)++], err);
-        if (status != SP_OK)
-            return status;
-        if (colon) {
-            *count = 0;
-            return read_range(rest, length[0], count, length, err);
-        }
-    } while (rest[-1] == ',');
+/* A number of balls must be whole. */
+static sp_status check_lengths(int32_t count, const double *length, sp_error *err) {
+    for (int32_t k = 0; k < count; k++)
+        if (length[k] != floor(length[k]))
+            return sp_fail(err, SP_EINVAL, "--grains %g: must be an integer 1 .. %d", length[k], GRAINS_MAX);
     return SP_OK;
 }
 
@@ -170,7 +153,6 @@ static sp_status refuse_work(double work, sp_error *err) {
 
 /* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-/* What the fronts of long chains tend to. */
 static void limit_comments(cli_writer *w, const sp_chain_limit *limit, const units *u) {
     cli_comment(w,
                 "exponents are local, between N and 2 N; limits of them, of amplitude N^gamma and of widths/N^alpha:");
@@ -196,12 +178,12 @@ static sp_status front_row(const arguments *a, const units *u, int64_t grains, s
 
 static sp_status front_table(const arguments *a, const units *u, cli_writer *w) {
     const sp_chain_limit limit = sp_chain_limit_of((sp_chain_source)a->initial);
-    int64_t length[LENGTHS_MAX];
-    int count;
-    double work = 0;
+    double length[LENGTHS_MAX], work = 0;
+    int32_t count = 0;
     w->status = read_lengths(a->grains ? a->grains : "10:1000000:2", &count, length, w->err);
+    CLI_THEN(w->status, check_lengths(count, length, w->err));
     for (int k = 0; k < count && w->status == SP_OK; k++)
-        work += 3 * 48.0 * (double)length[k];
+        work += 3 * 48.0 * length[k];
     CLI_THEN(w->status, refuse_work(work, w->err));
     cli_comment(w, "errors: 1e-11 of a time; amplitude and widths 1e-14 (1 + N^(2/3)) in units of K l and l/c");
     limit_comments(w, &limit, u);
@@ -210,11 +192,10 @@ static sp_status front_table(const arguments *a, const units *u, cli_writer *w) 
                 u->force_name, "width", u->time_name, "width_peak", u->time_name, "gamma", "", "alpha", "",
                 "alpha_peak", "", NULL);
     for (int k = 0; k < count && w->status == SP_OK; k++)
-        w->status = front_row(a, u, length[k], w->table, w->err);
+        w->status = front_row(a, u, (int64_t)length[k], w->table, w->err);
     return w->status;
 }
 
-/* Reads the single length of `signal' and `modes'. */
 static sp_status one_length(const arguments *a, int64_t most, int64_t *grains, cli_writer *w) {
     w->status = cli_integer("--grains", a->grains, 1, most, grains, w->err);
     cli_comment(w, "grains = %lld", (long long)*grains);

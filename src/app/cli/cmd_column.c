@@ -50,7 +50,6 @@ static bool watch(double share, void *user) {
     return !cli_stopped();
 }
 
-/* Repeats the warnings among the comments on stderr. */
 static void warn(const arguments *a, const sp_table *t) {
     for (int k = 0; k < t->comments; k++)
         if (strncmp(t->comment[k], "warning: ", strlen("warning: ")) == 0)

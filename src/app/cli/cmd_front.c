@@ -13,15 +13,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-typedef struct trace {
-    int64_t n;
-    double *t, *f;           /* one block, t its start */
-    double window;           /* the first front is searched for up to this time; 0: everywhere */
-    const char *length_unit; /* of the height; "": unknown */
-    char t_unit[sizeof((sp_column *)0)->unit], f_unit[sizeof((sp_column *)0)->unit]; /* "": unknown */
-    double height;                                                                   /* of the packing; NAN: unknown */
-} trace;
-
 /* ---- signals ----------------------------------------------------------------------------------------------------- */
 
 /* Whether a file is a packing rather than a table: it is binary, or has the header of a packing. A pipe is taken for a
@@ -52,12 +43,12 @@ static double positive_number(const sp_table *t, const char *key) {
 static int count_signals(const sp_table *t, int first) {
     char name[16];
     int n = 0;
-    do {
-        n++;
-        snprintf(name, sizeof name, "F%d", n);
-    } while (first + n <= t->columns && strcmp(t->column[first + n - 1].name, name) == 0 &&
-             t->column[first + n - 1].kind != SP_COLUMN_TEXT);
-    return n > 1 ? n - 1 : 1;
+    for (; first + n < t->columns && t->column[first + n].kind != SP_COLUMN_TEXT; n++) {
+        snprintf(name, sizeof name, "F%d", n + 1);
+        if (strcmp(t->column[first + n].name, name) != 0)
+            break;
+    }
+    return n > 0 ? n : 1;
 }
 
 /* A number of the metadata in our unit: in a table in SI its unit stands behind it. */
@@ -66,43 +57,6 @@ static double own_number(const sp_table *t, const char *key, const char *unit, c
     double value;
     const bool si = text && m->young > 0 && sp_quantity_read(text, unit, m, &value, NULL) == SP_OK;
     return si && value > 0.0 ? value : positive_number(t, key);
-}
-
-/* The window of the first front, in the unit of the times. A table of ours in SI says of which material. */
-static void find_window(const sp_table *table, trace *s) {
-    const char *text = sp_table_get_text(table, "material");
-    sp_material m = {0};
-    char si[SP_UNIT_TEXT] = "";
-    double factor = 1.0;
-    s->length_unit = strcmp(s->t_unit, "d/sqrt(E* / rho)") == 0 ? "d" : "";
-    if (text && sp_material_read(text, &m, NULL) == SP_OK)
-        sp_unit_to_si("d/sqrt(E* / rho)", &m, &factor, si, NULL);
-    const bool ours_in_si = si[0] && strcmp(si, s->t_unit) == 0;
-    if (ours_in_si)
-        s->length_unit = "mm";
-    else
-        m = (sp_material){0};
-    const double height = own_number(table, "height", "d", &m), pressure = own_number(table, "pressure", "E*", &m);
-    s->window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
-    s->window *= ours_in_si ? factor : 1.0;
-}
-
-/* Reads two columns of a table as times and forces. Free out->t. */
-static sp_status read_trace(const sp_table *table, int time, int force, trace *out, sp_error *err) {
-    const int64_t n = table->rows;
-    double *t = sp_alloc((size_t)n, 2 * sizeof *t);
-    if (!t)
-        return sp_fail_memory(err, (size_t)n * 2 * sizeof *t);
-    for (int64_t k = 0; k < n; k++) {
-        t[k] = sp_table_number(table, k, time);
-        t[n + k] = sp_table_number(table, k, force);
-    }
-    const double height = positive_number(table, "height");
-    *out = (trace){.n = n, .t = t, .f = t + n, .height = height > 0 ? height : NAN};
-    snprintf(out->t_unit, sizeof out->t_unit, "%s", table->column[time].unit);
-    snprintf(out->f_unit, sizeof out->f_unit, "%s", table->column[force].unit);
-    find_window(table, out);
-    return SP_OK;
 }
 
 /* The height in "plane:25:normal"; NAN if the place is not a plane. */
@@ -155,7 +109,6 @@ static sp_status set_distance(void *user, const char *text, sp_error *err) {
     return read_measure("--distance", text, "d", 0, &((arguments *)user)->distance, err);
 }
 
-/* The measure in the unit of a file. */
 static sp_status in_unit(const arguments *a, const measure *m, const char *unit, double *out, sp_error *err) {
     if (m->text)
         return sp_quantity_read(m->text, unit, cli_material(&a->common), out, err);
@@ -225,7 +178,6 @@ static sp_status packing_front(arguments *a, const cli_file *file, arrival *out,
 
 /* ---- traces ------------------------------------------------------------------------------------------------------ */
 
-/* The k-th column of numbers, counted from 0; -1 if there are fewer. */
 static int number_column(const sp_table *t, int k) {
     for (int c = 0; c < t->columns; c++)
         if (t->column[c].kind != SP_COLUMN_TEXT && k-- == 0)
@@ -293,26 +245,49 @@ static sp_status check_error(const arguments *a, const char *path, double error,
     return SP_OK;
 }
 
-static sp_status trace_front(const arguments *a, const char *path, const sp_table *t, int time, int force, arrival *out,
-                             sp_error *err) {
-    trace s;
-    sp_status status = read_trace(t, time, force, &s, err);
-    if (status != SP_OK)
-        return status;
+/* The units of a trace, and the window in which its first front is sought; 0: everywhere. A table of ours in SI says of
+ * which material. */
+static double find_units(const sp_table *t, int time, int force, arrival *out) {
+    const char *text = sp_table_get_text(t, "material");
+    sp_material m = {0};
+    char si[SP_UNIT_TEXT] = "";
+    double factor = 1.0;
+    snprintf(out->time, sizeof out->time, "%s", t->column[time].unit);
+    snprintf(out->force, sizeof out->force, "%s", t->column[force].unit);
+    if (text && sp_material_read(text, &m, NULL) == SP_OK)
+        sp_unit_to_si(time_unit, &m, &factor, si, NULL);
+    const bool ours_in_si = si[0] && strcmp(si, out->time) == 0;
+    if (!ours_in_si)
+        m = (sp_material){0};
+    snprintf(out->length, sizeof out->length, "%s", ours_in_si ? "mm" : strcmp(out->time, time_unit) == 0 ? "d" : "");
+    const double height = own_number(t, "height", "d", &m), pressure = own_number(t, "pressure", "E*", &m);
+    const double window = height > 0.0 && pressure > 0.0 ? sp_signal_window(height, pressure) : 0.0;
+    return window * (ours_in_si ? factor : 1.0);
+}
+
+static sp_status trace_front(const arguments *a, const char *path, const sp_table *table, int time, int force,
+                             arrival *out, sp_error *err) {
+    const int64_t n = table->rows;
+    const double height = positive_number(table, "height");
+    const char *name = table->column[force].name;
     sp_front_options rule = sp_front_options_default();
-    rule.window = s.window;
+    sp_status status = SP_OK;
+    double *t = sp_alloc((size_t)n, 2 * sizeof *t);
+    if (!t)
+        return sp_fail_memory(err, (size_t)n * 2 * sizeof *t);
+    for (int64_t k = 0; k < n; k++) {
+        t[k] = sp_table_number(table, k, time);
+        t[n + k] = sp_table_number(table, k, force);
+    }
+    *out = (arrival){.distance = distance_of(table, name, height > 0 ? height : NAN)};
+    rule.window = find_units(table, time, force, out);
     if (is_given(&a->window))
-        status = in_unit(a, &a->window, s.t_unit, &rule.window, err);
-    *out = (arrival){.distance = distance_of(t, t->column[force].name, s.height)};
-    snprintf(out->time, sizeof out->time, "%s", s.t_unit);
-    snprintf(out->force, sizeof out->force, "%s", s.f_unit);
-    snprintf(out->length, sizeof out->length, "%s", s.length_unit);
-    CLI_THEN(status, sp_front_find(s.n, s.t, s.f, &rule, &out->front, err));
+        status = in_unit(a, &a->window, out->time, &rule.window, err);
+    CLI_THEN(status, sp_front_find(n, t, t + n, &rule, &out->front, err));
     if (status != SP_OK)
         sp_fail_prefix(err, "%s", path);
-    else
-        status = check_error(a, path, error_of(t, t->column[force].name), &out->front, err);
-    sp_free(s.t);
+    CLI_THEN(status, check_error(a, path, error_of(table, name), &out->front, err));
+    sp_free(t);
     return status;
 }
 
@@ -354,7 +329,6 @@ static void add_notes(const arguments *a, const char *path, bool packing, const 
             path, (long long)f->crossings);
 }
 
-/* Converts a number and its unit, if the unit is ours. */
 static void to_si(const sp_material *m, double *value, char unit[SP_UNIT_TEXT]) {
     double factor;
     char si[SP_UNIT_TEXT];

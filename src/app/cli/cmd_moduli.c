@@ -107,7 +107,6 @@ const cli_syntax cmd_moduli_syntax = {
 /* Whether the walls cannot shear the packing, so that its shear moduli are nan. */
 static bool no_shear(int dim, const sp_moduli *m) { return dim > 1 && isnan(dim == 3 ? m->c55 : m->c33); }
 
-/* Moduli of a packing of this dimension. */
 static const char *moduli_of(int dim) { return dim == 3 ? "C11 C12 C13 C22 C23 C33 C44 C55 C66" : "C11 C12 C22 C33"; }
 
 /* ---- of an imposed strain ---------------------------------------------------------------------------------------- */
@@ -191,7 +190,6 @@ static void global_row(const arguments *a, const cli_file *file, cli_writer *w) 
 
 /* ---- --probe: apparent moduli on smaller scales ------------------------------------------------------------------ */
 
-/* Notes of one probe. */
 static void explain_probe(const arguments *a, const cli_file *file, const char *name, const sp_probe_moduli *m) {
     if (file->packing.dim > 1 && isnan(m->shear))
         cli_note(&a->common, "%s: %s of %s is nan: grains slip along a wall without friction", file->path,
@@ -326,7 +324,6 @@ static sp_status check_alike(const arguments *a, int dim, bool whole, sp_error *
     return SP_OK;
 }
 
-/* Adds the rows of one packing. */
 static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     const int dim = file->packing.dim;

@@ -295,7 +295,6 @@ static sp_status may_write_stages(const compression *c, sp_error *err) {
     return status;
 }
 
-/* Prints the summary on stdout: -o is the file of the packing. */
 static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_packing *p, sp_error *err) {
     sp_table t = sp_table_none();
     sp_statics statics;

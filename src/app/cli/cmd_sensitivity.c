@@ -68,7 +68,6 @@ static sp_status read_modes(const char *word, const char *text, quantity *out, s
     return cli_integer("--of omega", text + length + 1, out->first, INT32_MAX, &out->last, err);
 }
 
-/* Reads --of. */
 static sp_status set_quantity(void *field, const char *word, sp_error *err) {
     quantity *q = field;
     *q = (quantity){.word = word, .kind = SENSITIVITY_SIGNAL};

@@ -415,7 +415,6 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
 
 enum { DOS = 0, TRANSMISSION, DISPERSION, HARMONIC, PARTICIPATION, CONTINUUM }; /* as in kinds */
 
-/* Number of frequencies of --at. */
 static double count_frequencies(const arguments *a) {
     int32_t n = FREQUENCIES;
     double *omega = sp_alloc(FREQUENCIES_MAX, sizeof *omega);
@@ -425,7 +424,6 @@ static double count_frequencies(const arguments *a) {
     return n;
 }
 
-/* Whether a kind needs all modes. */
 static bool needs_modes(const arguments *a, const sp_network_size *net) {
     enum { DENSE_MOST = 3000 };
     switch (a->common.kind) {

@@ -67,7 +67,6 @@ static const struct argp_option help_options[] = {{"help", 'h', NULL, 0, "Print 
                                                   {"version", 'V', NULL, 0, "Print the version", 0}};
 enum { HELP_OPTIONS = sizeof help_options / sizeof *help_options };
 
-/* Number of cores that this process may use. */
 static int cores(void) {
     cpu_set_t set;
     if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)

@@ -82,7 +82,6 @@ static void send_request(request_kind kind) {
 
 static void send_answer(int rank, answer a) { MPI_Send(&a, (int)sizeof a, MPI_BYTE, rank, 0, MPI_COMM_WORLD); }
 
-/* Receives one message, if there is one. */
 static bool receive(void *message, size_t size, int *from) {
     MPI_Status status;
     int there = 0;
@@ -94,7 +93,6 @@ static bool receive(void *message, size_t size, int *from) {
     return there;
 }
 
-/* Rank 0: handles a request. */
 static void handle(int from, const request *q) {
     other *o = &ranks.other[from];
     o->study = q->study;

@@ -69,7 +69,6 @@ static const char *case_value(const char *table, const sp_scene *scene, int s, i
     return sp_sweep_text(sweep, k, buf, size);
 }
 
-/* Adds the values of case c as comments. */
 static sp_status add_case(sp_table *t, const char *table, const sp_scene *scene, int64_t c, sp_error *err) {
     char buf[200];
     sp_status status = SP_OK;

@@ -46,7 +46,6 @@ static bool found(const sp_store_finding *f, void *user) {
     return v->status == SP_OK && !cli_stopped();
 }
 
-/* Lists the names of all samples of a scene. */
 static sp_status scene_names(const sp_scene *scene, sp_store_check *check, char (**out)[SP_NAME_MAX], sp_error *err) {
     const int64_t count = sp_study_count(scene);
     if (count < 1)
