@@ -1,7 +1,7 @@
 """What the commands in Python share: options, scenes, units, messages, files that appear whole, exit statuses.
 
-`sonopack plot`, `view`, `convert` and `reproduce` execute `sonopack-NAME`, which calls start(NAME). Each is a package with a
-module `command` that has parser(), which returns a Parser, and run(arguments), which does the work.
+`sonopack plot`, `view`, `convert`, `reproduce` and `bench` execute `sonopack-NAME`, which calls start(NAME). Each has a module
+with parser(), which returns a Parser, and run(arguments), which does the work.
 """
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ DONE, FAILED, USAGE = 0, 1, 2
 
 #: the module of each command
 MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command",
-           "pack-lammps": "formats.engine"}
+           "pack-lammps": "formats.engine", "bench": "bench", "save-table": "formats.tables"}
 
 #: which Debian package brings a module
 DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",
@@ -256,7 +256,8 @@ def _tame(text: str) -> str:
 # ---- files ----------------------------------------------------------------------------------------------------------
 
 _MAGIC = {b"\211HDF\r\n\032\n": "hdf5", b"\211PNG\r\n\032\n": "png", b"%PDF-": "pdf", b"MATLAB 5": "mat", b"\x1f\x8b": "gz"}
-_KINDS = {".h5": "hdf5", ".hdf5": "hdf5", ".png": "png", ".pdf": "pdf", ".mat": "mat", ".gz": "gz", ".json": "json",
+_KINDS = {".h5": "hdf5", ".hdf5": "hdf5", ".png": "png", ".pdf": "pdf", ".mat": "mat", ".sac": "sac", ".gz": "gz",
+          ".json": "json",
           ".txt": "packing", **dict.fromkeys((".svg", ".html", ".htm", ".vtp", ".pvd", ".vtm"), "markup")}
 
 
@@ -266,7 +267,7 @@ def _kind_of(head: bytes) -> str:
         if head.startswith(magic):
             return kind
     if b"\0" in head:
-        return "unknown"
+        return "sac" if head[304:308] in (b"\6\0\0\0", b"\0\0\0\6") else "unknown"
     if re.match(rb"(\s*#[^\n]*\n)*\s*(# packing(?! =)|N +\d+ +Lx )", head):
         return "packing"
     first = head.lstrip()[:1]

@@ -2,7 +2,6 @@
  * in which it is written. */
 #include "guided.h"
 
-#include <sonopack/study/export_file.h>
 #include <sonopack/study/store.h>
 #include <string.h>
 
