@@ -58,8 +58,11 @@ bool sp_store_has_failed(const sp_store *store, const char *name);
 /* Adds the sample's file to the manifest. */
 void sp_store_enter(const sp_store *store, const sp_sample *sample);
 
-/* ---- recompute.c ------------------------------------------------------------------------------------------------- */
+/* ---- stated.c and recompute.c
+ * ------------------------------------------------------------------------------------------------- */
 
+/* Fails with the field at fault as the key of the error, its stored value, and what it must be. */
+sp_status sp_at_odds(sp_error *err, const char *field, double stored, double expected);
 /* Compares all that a file says of a sample with what its scene and its packing make of it; and checks the packing.
  * tolerance: of the audit. SP_EFAILED with the dataset at fault in err->key, SP_EINVAL for a scene that cannot be read,
  * SP_ENOMEM, SP_EIO. May run in several threads. */

@@ -3,7 +3,6 @@
 #include "ensemble/parts.h"
 #include "ensemble/sample.h"
 #include "store/folder.h"
-#include "store/stated.h"
 
 #include <math.h>
 #include <stddef.h>

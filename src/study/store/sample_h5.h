@@ -15,9 +15,9 @@ typedef struct sp_record {
 } sp_record;
 
 void sp_record_free(sp_record *r);
-sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err);
+void sp_record_put(sp_h5 *h, const sp_record *r);
 /* Without with_arrays, neither the arrays nor the scene are read. */
-sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *err);
+sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out);
 
 /* Which of the numbers that tables sort and divide by, or count with, is none that a sample can have; NULL: none. */
 const char *sp_sample_fault(const sp_sample *s);
