@@ -4,8 +4,8 @@
 #include "store/packing_text.h"
 
 #include "base/base.h"
+#include "base/text.h"
 #include "packing/geometry.h"
-#include "store/exchange.h"
 
 #include <ctype.h>
 #include <math.h>
@@ -49,6 +49,57 @@ bool sp_packing_text_looks(const char *text) {
     }
     return text[0] == 'N' && (text[1] == ' ' || text[1] == '\t') &&
            isdigit((unsigned char)text[1 + strspn(text + 1, " \t")]);
+}
+
+/* ---- the tangential force in 2D -------------------------------------------------------------------------------- */
+
+/* The rounded product. + 0.0 makes a negative zero positive. */
+static void plain_product(const double n[3], double scalar, double ft[3]) {
+    ft[0] = scalar * -n[1] + 0.0;
+    ft[1] = scalar * n[0] + 0.0;
+    ft[2] = 0.0;
+}
+
+static double steps_from(double x, int steps) {
+    for (; steps > 0; steps--)
+        x = nextafter(x, INFINITY);
+    for (; steps < 0; steps++)
+        x = nextafter(x, -INFINITY);
+    return x;
+}
+
+/* The scalar of a vector ft = Ft (-ny, nx). With rounding this map is neither one to one nor onto: scalar -> vector ->
+ * scalar is exact; vector -> scalar -> vector is exact for vectors that are the rounded product. */
+static double tangent_scalar(const double n[3], const double ft[3]) {
+    long double along = (long double)ft[0] * -(long double)n[1] + (long double)ft[1] * (long double)n[0];
+    long double length2 = (long double)n[0] * (long double)n[0] + (long double)n[1] * (long double)n[1];
+    double middle = (double)(along / length2) + 0.0; /* no negative zero */
+    static const int steps[] = {0, 1, -1, 2, -2};
+    for (size_t k = 0; k < sizeof steps / sizeof *steps; k++) {
+        double scalar = steps_from(middle, steps[k]), product[3];
+        plain_product(n, scalar, product);
+        if (product[0] == ft[0] && product[1] == ft[1])
+            return scalar;
+    }
+    return middle;
+}
+
+static void tangent_vector(const double n[3], double scalar, double ft[3]) {
+    plain_product(n, scalar, ft);
+    if (tangent_scalar(n, ft) == scalar)
+        return;
+    /* Two neighbouring scalars have the same product. Move the vector by an ulp, to one that is no product and is
+     * converted to this scalar. */
+    double product[3] = {ft[0], ft[1], 0};
+    for (int a = -1; a <= 1; a++)
+        for (int b = -1; b <= 1; b++) {
+            double moved[3] = {steps_from(product[0], a), steps_from(product[1], b), 0};
+            if (tangent_scalar(n, moved) == scalar) {
+                ft[0] = moved[0];
+                ft[1] = moved[1];
+                return;
+            }
+        }
 }
 
 /* ---- header ---------------------------------------------------------------------------------------------------- */
@@ -110,7 +161,9 @@ static sp_status header_cell(const sp_lines *at, char *const *value, header *h, 
     sp_status status = SP_OK;
     if (!value[KEY_CELL])
         return SP_OK;
-    if (!sp_cell_read(value[KEY_CELL], &h->cell))
+    while (sp_cell_names[h->cell] && strcmp(sp_cell_names[h->cell], value[KEY_CELL]) != 0)
+        h->cell++;
+    if (!sp_cell_names[h->cell])
         return fail_key(at, KEY_CELL, value[KEY_CELL], "piston, periodic or box", err);
     for (int k = 0; status == SP_OK && k < 4; k++)
         if (value[KEY_XY + k])
@@ -170,6 +223,78 @@ static sp_status read_header(sp_lines *lines, header *h, sp_error *err) {
 
 /* ---- rows ------------------------------------------------------------------------------------------------------ */
 
+/* Moves a coordinate along a periodic axis into [0, period). A coordinate inside remains the same, bit for bit. */
+static double wrap(double x, double period) {
+    if (x >= 0 && x < period)
+        return x + 0.0; /* no negative zero */
+    double inside = fmod(x, period);
+    if (inside < 0)
+        inside += period;
+    return inside < period ? inside + 0.0 : 0.0;
+}
+
+/* Moves a grain that lies outside into the cell along the periodic axes. */
+static void wrap_grain(const sp_packing *p, double x[3]) {
+    double s[3] = {0, 0, 0};
+    bool outside = false;
+    for (int k = 0; k < p->dim; k++)
+        x[k] = p->cell == SP_CELL_PISTON && k < p->dim - 1 ? wrap(x[k], p->box[k]) : x[k] + 0.0;
+    if (p->cell != SP_CELL_PERIODIC)
+        return;
+    sp_packing_fractions(p, x, s);
+    for (int k = 0; k < p->dim; k++)
+        outside = outside || !(s[k] >= -1e-12 && s[k] <= 1 + 1e-12); /* what sp_packing_check allows */
+    if (outside)
+        sp_packing_wrap(p, x);
+}
+
+static bool is_wall(const sp_packing *p, int32_t j) { return j < 0 && j >= SP_BACK && sp_packing_has_wall(p, j); }
+
+static sp_status check_contact(const sp_packing *p, const sp_contact *c, sp_error *err) {
+    const bool walls[2] = {is_wall(p, c->i), is_wall(p, c->j)};
+    const bool grains[2] = {c->i >= 0 && c->i < p->n, c->j >= 0 && c->j < p->n};
+    if (!(grains[0] && grains[1] && c->i != c->j) && !(grains[0] && walls[1]) && !(walls[0] && grains[1]))
+        return sp_fail(
+            err, SP_EFORMAT,
+            "a contact of %d and %d; must be two grains of 0..%d, or a grain and a wall of the cell, which is a %s",
+            c->i, c->j, p->n - 1,
+            p->cell == SP_CELL_PERIODIC ? "periodic one and has none"
+            : p->cell == SP_CELL_BOX    ? "box: -1 bottom, -2 top, -3 left, -4 right, -5 front, -6 back (3D)"
+                                        : "piston's: -1 bottom, -2 top");
+    double length2 = 0;
+    for (int k = 0; k < p->dim; k++)
+        length2 += c->n[k] * c->n[k];
+    if (!(fabs(sqrt(length2) - 1) <= 1e-9))
+        return sp_fail(err, SP_EFORMAT, "the normal's length is %.12g; must be 1 within 1e-9", sqrt(length2));
+    if (c->overlap < 0 || c->fn < 0)
+        return sp_fail(err, SP_EFORMAT, "overlap %g and Fn %g; must be finite and >= 0", c->overlap, c->fn);
+    return SP_OK;
+}
+
+/* Turns a contact round if j comes before i, or i is a wall. The force on i changes its sign; the scalar in 2D does
+ * not, because t turns with n. */
+static void put_in_order(sp_contact *c) {
+    const int32_t i = c->i;
+    if (!(c->i < 0 || (c->j >= 0 && c->i > c->j)))
+        return;
+    c->i = c->j;
+    c->j = i;
+    for (int k = 0; k < 3; k++) {
+        c->n[k] = 0.0 - c->n[k];
+        c->ft[k] = 0.0 - c->ft[k];
+    }
+}
+
+/* Converts words to finite numbers. name[k] is what word k means. */
+static sp_status finite_numbers(const sp_lines *at, int count, char *const *word, const char *const *name, double *out,
+                                sp_error *err) {
+    for (int k = 0; k < count; k++)
+        if (!sp_word_number(word[k], &out[k]) || !isfinite(out[k]))
+            return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be a finite number", at->file,
+                           (long long)at->number, name[k], word[k]);
+    return SP_OK;
+}
+
 /* Reads the words of the next line, which must be low .. high in number. */
 static sp_status next_words(sp_lines *lines, const char *what, int low, int high, char **word, sp_error *err) {
     char *line;
@@ -195,12 +320,12 @@ static sp_status read_grain(sp_lines *lines, sp_packing *p, int32_t i, sp_error 
     name[p->dim] = "R";
     sp_status status = next_words(lines, "grain", p->dim + 1, p->dim + 2, word, err);
     if (status == SP_OK)
-        status = sp_finite_numbers(lines, p->dim + 1, word, name, number, err);
+        status = finite_numbers(lines, p->dim + 1, word, name, number, err);
     if (status != SP_OK)
         return status;
     for (int k = 0; k < p->dim; k++)
         p->x[3 * i + k] = number[k];
-    sp_wrap_grain(p, p->x + 3 * i);
+    wrap_grain(p, p->x + 3 * i);
     p->r[i] = number[p->dim];
     if (!(p->r[i] > 0))
         return sp_fail(err, SP_EFORMAT, "%s:%lld: R is %g; must be positive", lines->file, (long long)lines->number,
@@ -225,21 +350,22 @@ static sp_status read_contact(sp_lines *lines, sp_packing *p, int32_t c, sp_erro
         return sp_fail(err, SP_EFORMAT,
                        "%s:%lld: contact of '%.30s' and '%.30s'; must be grains 0..%d, or walls, -1..-6", lines->file,
                        (long long)lines->number, word[0], word[1], p->n - 1);
-    status = sp_finite_numbers(lines, numbers, word + 2, names[dim], number, err);
+    status = finite_numbers(lines, numbers, word + 2, names[dim], number, err);
     if (status != SP_OK)
         return status;
-    sp_contact_row row = {.i = (int32_t)i, .j = (int32_t)j, .vector = dim == 3, .unit_within = 1e-9};
-    memcpy(row.n, number, (size_t)dim * sizeof *number);
-    row.overlap = number[dim];
-    row.fn = number[dim + 1];
+    sp_contact *to = &p->contacts[c];
+    *to = (sp_contact){.i = (int32_t)i, .j = (int32_t)j, .overlap = number[dim], .fn = number[dim + 1]};
+    for (int k = 0; k < dim; k++) /* no negative zeros */
+        to->n[k] = number[k] + 0.0;
     if (dim == 2)
-        row.ft = number[4];
-    else if (dim == 3)
-        memcpy(row.ft3, number + 5, sizeof row.ft3);
-    status = sp_contact_from_row(p, &row, &p->contacts[c], err);
+        tangent_vector(to->n, number[4], to->ft);
+    for (int k = 0; dim == 3 && k < 3; k++)
+        to->ft[k] = number[5 + k] + 0.0;
+    status = check_contact(p, to, err);
     if (status != SP_OK)
-        sp_fail_prefix(err, "%s:%lld", lines->file, (long long)lines->number);
-    return status;
+        return sp_fail_prefix(err, "%s:%lld", lines->file, (long long)lines->number);
+    put_in_order(to);
+    return SP_OK;
 }
 
 /* Compares the numbers of contacts at the walls with the header. */
@@ -371,7 +497,7 @@ static void add_rows(sp_text *t, const sp_packing *p, const uint8_t *rattler) {
         const sp_contact *k = &p->contacts[c];
         sp_text_add(t, "%d %d ", k->i, k->j);
         add_numbers(t, k->n, p->dim);
-        double scalar = p->dim == 2 ? sp_tangent_scalar(k->n, k->ft) : 0;
+        double scalar = p->dim == 2 ? tangent_scalar(k->n, k->ft) : 0;
         sp_text_add(t, "%.17g %.17g", k->overlap, k->fn);
         if (p->dim == 2)
             sp_text_add(t, " %.17g", scalar);
