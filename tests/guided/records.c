@@ -2,8 +2,7 @@
  * first byte chooses. A line gets the checksum that it needs: damage that the checksum finds reaches no parser. */
 #include "base/hash.h"
 #include "guided.h"
-#include "store/failure.h"
-#include "store/manifest.h"
+#include "store/records.h"
 
 #include <sonopack/packing.h>
 #include <stdlib.h>

@@ -7,7 +7,7 @@
 
 #include "base/file.h"
 #include "store/claim.h"
-#include "store/manifest.h"
+#include "store/records.h"
 #include "store/sample_h5.h"
 
 #include <sonopack/study/store.h>

@@ -1,6 +1,5 @@
 /* Looks up samples: in the manifest where it is up to date, and in their files otherwise. */
 #include "base/base.h"
-#include "store/failure.h"
 #include "store/folder.h"
 
 #include <errno.h>

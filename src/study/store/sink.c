@@ -1,6 +1,5 @@
 /* Makes a store the sink of a study: loads and saves its samples. */
 #include "base/base.h"
-#include "store/failure.h"
 #include "store/folder.h"
 
 #include <sonopack/study/store.h>

@@ -12,21 +12,12 @@
 
 /* ---- opening --------------------------------------------------------------------------------------------------- */
 
-static sp_status check_folder(const char *dir, sp_error *err) {
-    DIR *folder = opendir(dir);
-    if (!folder)
-        return sp_fail(err, SP_EIO, "cannot open the store %s: %s", dir, strerror(errno));
-    closedir(folder);
-    return SP_OK;
-}
-
 /* A folder that cannot be written to may still have samples for tables. */
 static sp_status prepare_writing(sp_store *store, sp_error *err) {
     sp_name_list list = {0};
     sp_error why = {0};
     if (sp_folder_probe(store->dir, &why) == SP_OK) {
         sp_folder_clean(store->dir);
-        sp_manifest_allow_adding(store->manifest);
         return SP_OK;
     }
     sp_status status = sp_store_names(store, &list, err);
@@ -44,17 +35,18 @@ sp_status sp_store_open(const char *dir, bool create, sp_store **out, sp_error *
                        SP_PATH_MAX - 65);
     if (create && mkdir(dir, 0777) != 0 && errno != EEXIST)
         return sp_fail(err, SP_EIO, "cannot make the store %s: %s", dir, strerror(errno));
-    sp_status status = check_folder(dir, err);
-    if (status != SP_OK)
-        return status;
+    DIR *folder = opendir(dir);
+    if (!folder)
+        return sp_fail(err, SP_EIO, "cannot open the store %s: %s", dir, strerror(errno));
+    closedir(folder);
     sp_store *store = sp_alloc(1, sizeof *store);
     if (!store)
         return sp_fail_memory(err, sizeof *store);
     memcpy(store->dir, dir, strlen(dir));
     store->claims.fd = -1;
-    status = sp_manifest_open(dir, &store->manifest, err);
-    if (status == SP_OK && create)
-        status = prepare_writing(store, err);
+    sp_status status = create ? prepare_writing(store, err) : SP_OK;
+    if (status == SP_OK)
+        status = sp_manifest_open(dir, create && !store->read_only, &store->manifest, err);
     if (status != SP_OK) {
         sp_store_close(store);
         return status;
@@ -99,6 +91,7 @@ sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int
     sp_sample *all = NULL;
     int64_t good = 0, damaged = 0;
     sp_error first = {0};
+    sp_manifest_refresh(store->manifest);
     sp_status status = sp_store_names(store, &list, err);
     if (status == SP_OK && !(all = sp_alloc((size_t)list.count, sizeof *all)))
         status = sp_fail_memory(err, (size_t)list.count * sizeof *all);
