@@ -173,7 +173,7 @@ static void damage_is_never_believed(void **state) {
     size_t size;
     char *whole = read_text(&size), *text = sp_alloc(size + 1, 1);
     int kept = 0, lost = 0;
-    for (size_t at = 0; at < size; at += at < 64 ? 1 : 13)
+    for (size_t at = 0; at < size; at += at < 64 ? 1 : 31)
         for (int kind = 0; kind < 4; kind++) { /* another byte, an end of line, cut, cut and added to */
             memcpy(text, whole, size);
             text[at] = (char)(kind == 0 ? whole[at] ^ 4 : kind == 1 ? '\n' : whole[at]);
