@@ -1,6 +1,5 @@
 /* Computes what a file says of a sample again, from its packing and its scene, and compares. */
 #include "base/base.h"
-#include "ensemble/parts.h"
 #include "ensemble/sample.h"
 #include "store/folder.h"
 
