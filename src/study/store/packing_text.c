@@ -12,32 +12,6 @@
 #include <sonopack/study/store.h>
 #include <string.h>
 
-enum {
-    KEY_N,
-    KEY_LX,
-    KEY_LY,
-    KEY_LZ,
-    KEY_P,
-    KEY_MU,
-    KEY_NU,
-    KEY_CONTACTS,
-    KEY_BOTTOM,
-    KEY_TOP,
-    KEY_SEED,
-    KEY_WALL,
-    KEY_CELL,
-    KEY_XY,
-    KEY_XZ,
-    KEY_YZ,
-    KEY_GRAVITY,
-    KEY_WALLS,
-    HEADER_KEYS,
-    WORDS_MAX = 64
-};
-static const char *const header_key[HEADER_KEYS] = {"N",    "Lx",       "Ly",     "Lz",  "p",       "mu",
-                                                    "nu",   "contacts", "bottom", "top", "seed",    "wall",
-                                                    "cell", "xy",       "xz",     "yz",  "gravity", "walls"};
-
 static const char *const axis[3] = {"x", "y", "z"};
 
 bool sp_packing_text_looks(const char *text) {
@@ -105,99 +79,89 @@ static void tangent_vector(const double n[3], double scalar, double ft[3]) {
 /* ---- header ---------------------------------------------------------------------------------------------------- */
 
 typedef struct header {
-    int dim;
     int64_t grains, pairs, bottom, top, walls; /* walls: of all of them, where the header has a cell */
     double edge[3], tilt[3], pressure, friction, poisson, gravity;
     uint64_t seed;
     sp_wall wall;
     sp_cell cell;
+    int dim;
 } header;
 
-static sp_status fail_key(const sp_lines *at, int key, const char *value, const char *rule, sp_error *err) {
-    if (!value)
-        return sp_fail(err, SP_EFORMAT, "%s:%lld: the header has no %s; must be %s", at->file, (long long)at->number,
-                       header_key[key], rule);
-    return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be %s", at->file, (long long)at->number,
-                   header_key[key], value, rule);
-}
+typedef enum header_kind { COUNT, NUMBER, LENGTH, SEED, WALL, CELL } header_kind;
 
-static sp_status header_number(const sp_lines *at, char *const *value, int key, double *out, sp_error *err) {
-    if (!value[key] || !sp_word_number(value[key], out) || !isfinite(*out))
-        return fail_key(at, key, value[key], "a finite number", err);
-    return SP_OK;
-}
+/* The keys, those that every header has first. */
+static const struct header_key {
+    const char *name;
+    header_kind kind;
+    size_t offset;
+} header_key[] = {{"N", COUNT, offsetof(header, grains)},      {"contacts", COUNT, offsetof(header, pairs)},
+                  {"Lx", LENGTH, offsetof(header, edge[0])},   {"p", NUMBER, offsetof(header, pressure)},
+                  {"mu", NUMBER, offsetof(header, friction)},  {"nu", NUMBER, offsetof(header, poisson)},
+                  {"Ly", LENGTH, offsetof(header, edge[1])},   {"Lz", LENGTH, offsetof(header, edge[2])},
+                  {"bottom", COUNT, offsetof(header, bottom)}, {"top", COUNT, offsetof(header, top)},
+                  {"walls", COUNT, offsetof(header, walls)},   {"cell", CELL, offsetof(header, cell)},
+                  {"xy", NUMBER, offsetof(header, tilt[0])},   {"xz", NUMBER, offsetof(header, tilt[1])},
+                  {"yz", NUMBER, offsetof(header, tilt[2])},   {"gravity", NUMBER, offsetof(header, gravity)},
+                  {"seed", SEED, offsetof(header, seed)},      {"wall", WALL, offsetof(header, wall)}};
+enum { HEADER_KEYS = sizeof header_key / sizeof *header_key, WORDS_MAX = 64 };
+enum { ALWAYS = 6, KEY_LY = ALWAYS, KEY_LZ, KEY_BOTTOM, KEY_TOP, KEY_WALLS, KEY_CELL }; /* places in these rows */
 
-/* Reads a count, which must not exceed what the file can contain. */
-static sp_status header_count(const sp_lines *at, char *const *value, int key, int64_t most, int64_t *out,
-                              sp_error *err) {
-    if (!value[key] || !sp_word_integer(value[key], out) || *out < 0)
-        return fail_key(at, key, value[key], "a whole number >= 0", err);
-    if (*out > most)
+/* Reads the value of a key. Counts must not exceed what the file can contain. */
+static sp_status read_value(const sp_lines *at, const struct header_key *key, const char *word, header *h,
+                            sp_error *err) {
+    static const char *const right[] = {"a whole number >= 0",     "a finite number",
+                                        "a finite number above 0", "a whole number of 64 bits",
+                                        "rigid, grain or elastic", "piston, periodic or box"};
+    const int64_t bytes = at->end - at->next, most = bytes / 4 < INT32_MAX / 4 ? bytes / 4 : INT32_MAX / 4;
+    void *to = (char *)h + key->offset;
+    int64_t count = 0;
+    int cell = 0;
+    bool good = true;
+    switch (key->kind) {
+    case COUNT:
+        good = sp_word_integer(word, &count) && count >= 0;
+        memcpy(to, &count, sizeof count);
+        break;
+    case NUMBER: good = sp_word_number(word, to) && isfinite(*(double *)to); break;
+    case LENGTH: good = sp_word_number(word, to) && isfinite(*(double *)to) && *(double *)to > 0; break;
+    case SEED: good = sp_word_unsigned(word, to); break;
+    case WALL: good = sp_wall_read(word, to); break;
+    case CELL:
+        while (sp_cell_names[cell] && strcmp(sp_cell_names[cell], word) != 0)
+            cell++;
+        good = sp_cell_names[cell] != NULL;
+        h->cell = good ? (sp_cell)cell : SP_CELL_PISTON;
+        break;
+    }
+    if (!good)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be %s", at->file, (long long)at->number,
+                       key->name, word, right[key->kind]);
+    if (count > most)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is %lld, and the file has room for %lld at the most: truncated",
-                       at->file, (long long)at->number, header_key[key], (long long)*out, (long long)most);
+                       at->file, (long long)at->number, key->name, (long long)count, (long long)most);
     return SP_OK;
 }
 
 /* A header with a cell has the number of all contacts with walls; versions that do not know cells miss the other two.
  */
-static sp_status header_counts(const sp_lines *at, char *const *value, header *h, sp_error *err) {
-    const int64_t bytes = at->end - at->next, most = bytes / 4 < INT32_MAX / 4 ? bytes / 4 : INT32_MAX / 4;
-    sp_status status = header_count(at, value, KEY_N, most, &h->grains, err);
-    if (status == SP_OK)
-        status = header_count(at, value, KEY_CONTACTS, most, &h->pairs, err);
-    if (status == SP_OK && value[KEY_CELL])
-        return header_count(at, value, KEY_WALLS, most, &h->walls, err);
-    if (status == SP_OK)
-        status = header_count(at, value, KEY_BOTTOM, most, &h->bottom, err);
-    if (status == SP_OK)
-        status = header_count(at, value, KEY_TOP, most, &h->top, err);
-    h->walls = h->bottom + h->top;
-    return status;
-}
-
-/* The kind of the cell, its tilt and gravity: where the header has a cell, else those of a piston. */
-static sp_status header_cell(const sp_lines *at, char *const *value, header *h, sp_error *err) {
-    double *const number[] = {&h->tilt[0], &h->tilt[1], &h->tilt[2], &h->gravity};
-    sp_status status = SP_OK;
-    if (!value[KEY_CELL])
-        return SP_OK;
-    while (sp_cell_names[h->cell] && strcmp(sp_cell_names[h->cell], value[KEY_CELL]) != 0)
-        h->cell++;
-    if (!sp_cell_names[h->cell])
-        return fail_key(at, KEY_CELL, value[KEY_CELL], "piston, periodic or box", err);
-    for (int k = 0; status == SP_OK && k < 4; k++)
-        if (value[KEY_XY + k])
-            status = header_number(at, value, KEY_XY + k, number[k], err);
-    return status;
-}
-
-static sp_status header_numbers(const sp_lines *at, char *const *value, header *h, sp_error *err) {
-    sp_status counts = header_counts(at, value, h, err);
-    if (counts == SP_OK)
-        counts = header_cell(at, value, h, err);
-    if (counts != SP_OK)
-        return counts;
-    h->dim = value[KEY_LZ] ? 3 : value[KEY_LY] ? 2 : 1;
-    for (int k = 0; k < 3; k++)
-        h->edge[k] = 1.0;
-    for (int k = 0; k < h->dim; k++) {
-        sp_status status = header_number(at, value, KEY_LX + k, &h->edge[k], err);
-        if (status == SP_OK && !(h->edge[k] > 0))
-            status = fail_key(at, KEY_LX + k, value[KEY_LX + k], "positive", err);
-        if (status != SP_OK)
-            return status;
-    }
-    double *const number[] = {&h->pressure, &h->friction, &h->poisson};
-    for (int k = 0; k < 3; k++) {
-        sp_status status = header_number(at, value, KEY_P + k, number[k], err);
-        if (status != SP_OK)
-            return status;
+static sp_status check_given(const sp_lines *at, const bool given[HEADER_KEYS], header *h, sp_error *err) {
+    const bool cell = given[KEY_CELL];
+    for (int k = 0; k < HEADER_KEYS; k++)
+        if (!given[k] &&
+            (k < ALWAYS || (k == KEY_LY && given[KEY_LZ]) || (cell ? k == KEY_WALLS : k == KEY_BOTTOM || k == KEY_TOP)))
+            return sp_fail(err, SP_EFORMAT, "%s:%lld: the header has no %s; must be 'N 600 Lx 24 ...'", at->file,
+                           (long long)at->number, header_key[k].name);
+    h->dim = given[KEY_LZ] ? 3 : given[KEY_LY] ? 2 : 1;
+    if (!cell) {
+        h->walls = h->bottom + h->top;
+        h->gravity = h->tilt[0] = h->tilt[1] = h->tilt[2] = 0;
     }
     return SP_OK;
 }
 
 static sp_status read_header(sp_lines *lines, header *h, sp_error *err) {
-    char *line, *word[WORDS_MAX], *value[HEADER_KEYS] = {0};
+    char *line, *word[WORDS_MAX];
+    bool given[HEADER_KEYS] = {false};
     sp_status status = sp_lines_next_data(lines, &line, err);
     if (status != SP_OK)
         return status;
@@ -205,20 +169,17 @@ static sp_status read_header(sp_lines *lines, header *h, sp_error *err) {
     if (words < 2 || words > WORDS_MAX || words % 2 != 0)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: no header of keys and values, 'N 600 Lx 24 ...'", lines->file,
                        (long long)lines->number);
-    for (int w = 0; w < words; w += 2)
-        for (int k = 0; k < HEADER_KEYS; k++)
-            if (strcmp(word[w], header_key[k]) == 0) {
-                if (value[k])
-                    return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is given twice", lines->file, (long long)lines->number,
-                                   header_key[k]);
-                value[k] = word[w + 1];
-            }
-    *h = (header){.wall = SP_WALL_RIGID};
-    if (value[KEY_SEED] && !sp_word_unsigned(value[KEY_SEED], &h->seed))
-        return fail_key(lines, KEY_SEED, value[KEY_SEED], "a whole number of 64 bits", err);
-    if (value[KEY_WALL] && !sp_wall_read(value[KEY_WALL], &h->wall))
-        return fail_key(lines, KEY_WALL, value[KEY_WALL], "rigid, grain or elastic", err);
-    return header_numbers(lines, value, h, err);
+    *h = (header){.wall = SP_WALL_RIGID, .edge = {1, 1, 1}};
+    for (int w = 0; w < words && status == SP_OK; w += 2)
+        for (int k = 0; k < HEADER_KEYS && status == SP_OK; k++) {
+            if (strcmp(word[w], header_key[k].name) != 0)
+                continue;
+            status = given[k] ? sp_fail(err, SP_EFORMAT, "%s:%lld: %s is given twice", lines->file,
+                                        (long long)lines->number, header_key[k].name)
+                              : read_value(lines, &header_key[k], word[w + 1], h, err);
+            given[k] = true;
+        }
+    return status == SP_OK ? check_given(lines, given, h, err) : status;
 }
 
 /* ---- rows ------------------------------------------------------------------------------------------------------ */
