@@ -56,6 +56,12 @@ def to_text(source):
     return result.returncode, result.stderr, text
 
 
+def refused(source):
+    """Exit status and reason of a command that only reads the packing."""
+    result = run("statics", source)
+    return result.returncode, result.stderr
+
+
 GOOD = path("good.h5")
 made = run("convert", REFERENCE, GOOD)
 expect(made.returncode == 0, "convert to HDF5: " + made.stderr)
@@ -121,7 +127,7 @@ def forgery(forge, *parts):
     shutil.copy(GOOD, copy)
     with h5py.File(copy, "r+") as f:
         forge(f)
-    status, reason, _ = to_text(copy)
+    status, reason = refused(copy)
     expect(status == 1, f"{parts}: exit status {status}")
     for part in ("forged.h5",) + parts:
         expect(names_all(reason, part), f"'{part}' in: {reason}")
@@ -330,23 +336,23 @@ def test_truncation():
     for length in lengths:
         with open(path("short.h5"), "wb") as f:
             f.write(data[:length])
-        status, reason, _ = to_text(path("short.h5"))
+        status, reason = refused(path("short.h5"))
         expect(status == 1 and "short.h5" in reason, f"first {length} of {len(data)} bytes: {status} {reason}")
 
 
 def test_foreign_files():
     with h5py.File(path("foreign.h5"), "w") as f:
         f["data/temperature"] = np.arange(10.0)
-    status, reason, _ = to_text(path("foreign.h5"))
+    status, reason = refused(path("foreign.h5"))
     expect(status == 1 and "/sonopack" in reason and "foreign.h5" in reason, reason)
     with open(path("picture.h5"), "wb") as f:
         f.write(b"\x89PNG\r\n\x1a\n" + bytes(100))
     for name, part in (("picture.h5", "picture.h5"), ("nowhere.h5", "No such file"), ("", "Is a directory")):
-        status, reason, _ = to_text(path(name))
+        status, reason = refused(path(name))
         expect(status == 1 and names_all(reason, part), f"{name}: {status} {reason}")
     with open(path("words.h5"), "w") as f:
         f.write("nothing of the kind\n")
-    status, reason, _ = to_text(path("words.h5"))
+    status, reason = refused(path("words.h5"))
     expect(status == 1 and names_all(reason, "words.h5"), reason)
 
 
@@ -364,7 +370,8 @@ def test_flipped_bytes(count=40):
             at = min(len(copy) - 1, at + draw.randrange(1, 9))
         with open(path("flipped.h5"), "wb") as f:
             f.write(copy)
-        status, reason, text = to_text(path("flipped.h5"))
+        status, reason = refused(path("flipped.h5"))
+        text = to_text(path("flipped.h5"))[2] if status == 0 else None
         noticed += status == 1
         expect(status in (0, 1), f"flip at {at}: status {status} {reason[-300:]}")
         expect("HDF5: infinite loop" not in reason, f"flip at {at}: HDF5 prints on its own: {reason[:300]}")

@@ -295,7 +295,7 @@ def damage():
     refuse(copy)
     packing = FOLDER / "packing.h5"
     run("convert", PACKING, packing)
-    refuse(packing, "/modes")
+    refuse(packing, "packing")
 
 
 try:
