@@ -2,8 +2,8 @@
 #define SP_STORE_FOLDER_H
 /* The files of a store.
  *
- * From the bottom: files.c reads and writes single files, lookup.c finds results by way of the manifest, recompute.c
- * makes results again; the sink of a study (sink.c), the check of a whole store (verify.c) and store.c use them. */
+ * From the bottom: files.c reads and writes single files, store.c finds results by way of the manifest, recompute.c
+ * makes results again; the sink of a study (sink.c) and the check of a whole store (verify.c) use them. */
 
 #include "base/file.h"
 #include "store/claim.h"
@@ -47,10 +47,8 @@ typedef struct sp_name_list {
  * frees list->name, even after an error. */
 sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *err);
 
-/* ---- lookup.c --------------------------------------------------------------------------------------------------- */
+/* ---- store.c --------------------------------------------------------------------------------------------------- */
 
-/* The results of a sample, or else the record of its failure; from the manifest where that is up to date. */
-sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
 /* The results of a finished sample, all of whose file can be read; from the manifest where that is up to date. */
 sp_status sp_store_finished(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
 /* Whether the sample is recorded as failed. A damaged record does not count. */

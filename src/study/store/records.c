@@ -16,7 +16,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { SUM_DIGITS = 16, PLANE_NUMBERS = 6 };
+enum { SUM_DIGITS = 16 };
 
 static const sp_h5_field of_signal[] = {
     {{"/results/signal/points", "", ""}, SP_H5_I32, offsetof(sp_sample, signal.points)},
@@ -67,14 +67,11 @@ static void put_number(sp_text *out, const sp_sample *s, const sp_result *of) {
 }
 
 static void put_planes(sp_text *out, const sp_sample *s) {
-    for (int32_t k = 0; k < s->planes; k++) {
-        const sp_front *f = &s->plane_front[k];
-        const double number[PLANE_NUMBERS] = {s->plane[k], f->t10, f->t_peak, f->t_zero, f->amplitude, f->width};
-        for (int i = 0; i < PLANE_NUMBERS; i++) {
+    for (int32_t k = 0; k < s->planes; k++)
+        for (int i = 0; i < SP_PLANE_FIELDS; i++) {
             sp_text_add(out, " ");
-            sp_text_number(out, number[i]);
+            sp_text_number(out, sp_plane_number(&sp_plane_fields[i], s, k));
         }
-    }
 }
 
 static int64_t time_of(const struct stat *file) {
@@ -143,17 +140,15 @@ static bool get_number(const char *cell, sp_sample *s, const sp_result *of) {
 }
 
 static bool get_planes(char *cell, sp_sample *s) {
-    char *word[PLANE_NUMBERS * SP_PLANES_MAX];
-    double n[PLANE_NUMBERS] = {0};
-    if (s->planes < 0 || s->planes > SP_PLANES_MAX ||
-        sp_line_words(cell, word, PLANE_NUMBERS * s->planes) != PLANE_NUMBERS * s->planes)
+    char *word[SP_PLANE_FIELDS * SP_PLANES_MAX];
+    const int numbers = SP_PLANE_FIELDS * s->planes;
+    if (s->planes < 0 || s->planes > SP_PLANES_MAX || sp_line_words(cell, word, numbers) != numbers)
         return false;
-    for (int32_t k = 0; k < s->planes; k++) {
-        for (int i = 0; i < PLANE_NUMBERS; i++)
-            if (!sp_word_number(word[PLANE_NUMBERS * k + i], &n[i]))
-                return false;
-        s->plane[k] = n[0];
-        s->plane_front[k] = (sp_front){.t10 = n[1], .t_peak = n[2], .t_zero = n[3], .amplitude = n[4], .width = n[5]};
+    for (int k = 0; k < numbers; k++) {
+        double number;
+        if (!sp_word_number(word[k], &number))
+            return false;
+        sp_plane_set(&sp_plane_fields[k % SP_PLANE_FIELDS], s, k / SP_PLANE_FIELDS, number);
     }
     return true;
 }

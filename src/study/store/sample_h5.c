@@ -110,12 +110,7 @@ static const struct part {
 };
 enum { PARTS = sizeof part / sizeof *part, SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field };
 
-/* Fronts at planes: one array for each member. */
-static const struct {
-    sp_h5_name name;
-    size_t offset; /* of the first plane's in sp_sample */
-    size_t stride;
-} plane_field[] = {
+const sp_plane_field sp_plane_fields[SP_PLANE_FIELDS] = {
     {{"/results/planes/height", "d", "heights of the planes above the bottom wall"},
      offsetof(sp_sample, plane),
      sizeof(double)},
@@ -127,7 +122,16 @@ static const struct {
     PLANE(amplitude, "E* d^2", "height of the first peak, for the source of the scene at unit strength"),
     PLANE(width, TIME, "t_zero - t10"),
 };
-enum { PLANE_FIELDS = sizeof plane_field / sizeof *plane_field };
+
+double sp_plane_number(const sp_plane_field *f, const sp_sample *s, int32_t plane) {
+    double number;
+    memcpy(&number, (const char *)s + f->offset + (size_t)plane * f->stride, sizeof number);
+    return number;
+}
+
+void sp_plane_set(const sp_plane_field *f, sp_sample *s, int32_t plane, double number) {
+    memcpy((char *)s + f->offset + (size_t)plane * f->stride, &number, sizeof number);
+}
 
 static const sp_h5_field signal_field[] = {
     {{"/signal/error", "E* d^2", "bound of the error of F"}, SP_H5_F64, offsetof(sp_signal, error)},
@@ -174,11 +178,11 @@ void sp_record_free(sp_record *r) {
 static void put_planes(sp_h5 *h, const sp_sample *s) {
     const sp_h5_shape shape = {1, {s->planes}};
     sp_h5_group(h, "/results/planes");
-    for (int k = 0; k < PLANE_FIELDS; k++) {
+    for (int k = 0; k < SP_PLANE_FIELDS; k++) {
         double x[SP_PLANES_MAX];
         for (int32_t i = 0; i < s->planes; i++)
-            memcpy(&x[i], (const char *)s + plane_field[k].offset + (size_t)i * plane_field[k].stride, sizeof *x);
-        sp_h5_put(h, &plane_field[k].name, SP_H5_F64, &shape, x);
+            x[i] = sp_plane_number(&sp_plane_fields[k], s, i);
+        sp_h5_put(h, &sp_plane_fields[k].name, SP_H5_F64, &shape, x);
     }
 }
 
@@ -243,14 +247,14 @@ void sp_record_put(sp_h5 *h, const sp_record *r) {
 
 static void get_planes(sp_h5 *h, sp_sample *s) {
     sp_h5_shape shape;
-    if (sp_h5_find(h, plane_field[0].name.path, SP_H5_F64, 1, &shape) == SP_OK && shape.dim[0] > SP_PLANES_MAX)
-        sp_h5_fail(h, SP_EFORMAT, "%s has %lld planes; at most %d", plane_field[0].name.path, (long long)shape.dim[0],
-                   SP_PLANES_MAX);
-    for (int k = 0; h->status == SP_OK && k < PLANE_FIELDS; k++) {
+    if (sp_h5_find(h, sp_plane_fields[0].name.path, SP_H5_F64, 1, &shape) == SP_OK && shape.dim[0] > SP_PLANES_MAX)
+        sp_h5_fail(h, SP_EFORMAT, "%s has %lld planes; at most %d", sp_plane_fields[0].name.path,
+                   (long long)shape.dim[0], SP_PLANES_MAX);
+    for (int k = 0; h->status == SP_OK && k < SP_PLANE_FIELDS; k++) {
         double x[SP_PLANES_MAX] = {0};
-        sp_h5_get(h, plane_field[k].name.path, SP_H5_F64, &shape, x);
+        sp_h5_get(h, sp_plane_fields[k].name.path, SP_H5_F64, &shape, x);
         for (int64_t i = 0; i < shape.dim[0]; i++)
-            memcpy((char *)s + plane_field[k].offset + (size_t)i * plane_field[k].stride, &x[i], sizeof *x);
+            sp_plane_set(&sp_plane_fields[k], s, (int32_t)i, x[i]);
     }
     if (h->status == SP_OK)
         s->planes = (int32_t)shape.dim[0];

@@ -33,4 +33,14 @@ typedef struct sp_result {
 enum { SP_RESULTS_MAX = 80 };
 int sp_results(sp_result out[SP_RESULTS_MAX]);
 
+/* The numbers of each plane: its height, and the front there. */
+typedef struct sp_plane_field {
+    sp_h5_name name;
+    size_t offset, stride; /* of the first plane's in sp_sample; from one plane's to the next one's */
+} sp_plane_field;
+enum { SP_PLANE_FIELDS = 6 };
+extern const sp_plane_field sp_plane_fields[SP_PLANE_FIELDS];
+double sp_plane_number(const sp_plane_field *f, const sp_sample *s, int32_t plane);
+void sp_plane_set(const sp_plane_field *f, sp_sample *s, int32_t plane, double number);
+
 #endif

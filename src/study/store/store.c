@@ -7,6 +7,7 @@
 #include <dirent.h>
 #include <errno.h>
 #include <sonopack/study/store.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -63,6 +64,77 @@ void sp_store_close(sp_store *store) {
 
 void sp_store_retry(sp_store *store, bool retry) { store->retry = retry; }
 
+/* ---- looking up ----------------------------------------------------------------------------------------------------
+ */
+
+/* A file of the store, and its status. */
+typedef struct place {
+    char path[SP_PATH_MAX];
+    struct stat info;
+} place;
+
+static bool find_file(const sp_store *store, const char *name, const char *ending, place *out) {
+    sp_store_path(store, name, ending, out->path);
+    out->info = (struct stat){0};
+    return stat(out->path, &out->info) == 0;
+}
+
+void sp_store_enter(const sp_store *store, const sp_sample *sample) {
+    place file;
+    if (find_file(store, sample->name, sample->failed ? "failed" : "h5", &file) && S_ISREG(file.info.st_mode))
+        sp_manifest_add(store->manifest, &file.info, sample);
+}
+
+/* The results of a sample, or else the record of its failure; from the manifest where that is up to date. */
+static sp_status find_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
+    place file;
+    sp_record r;
+    /* if the file system does not answer, reading the file will tell */
+    const bool made = find_file(store, name, "h5", &file) || errno != ENOENT;
+    if (!made && !find_file(store, name, "failed", &file))
+        return sp_fail(err, SP_EIO, "no sample %s in the store %s", name, store->dir);
+    if (sp_manifest_find(store->manifest, name, !made, &file.info, out))
+        return SP_OK;
+    sp_status status =
+        made ? sp_store_get(store, name, NULL, false, &r, err) : sp_failure_read(file.path, name, out, err);
+    if (status == SP_OK && made) {
+        *out = r.sample;
+        sp_record_free(&r);
+    }
+    return status;
+}
+
+sp_status sp_store_finished(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
+    place file;
+    sp_record r;
+    sp_packing p;
+    if (!sp_store_holds(store, name, "h5"))
+        return sp_fail(err, SP_EIO, "no finished sample %s in the store %s", name, store->dir);
+    if (find_file(store, name, "h5", &file) && sp_manifest_find(store->manifest, name, false, &file.info, out))
+        return SP_OK;
+    sp_status status = sp_store_get(store, name, &p, true, &r, err);
+    if (status != SP_OK)
+        return status;
+    *out = r.sample;
+    sp_store_enter(store, out);
+    sp_record_free(&r);
+    sp_packing_free(&p);
+    return SP_OK;
+}
+
+bool sp_store_has_failed(const sp_store *store, const char *name) {
+    place file;
+    sp_sample sample;
+    if (!find_file(store, name, "failed", &file))
+        return false;
+    if (sp_manifest_find(store->manifest, name, true, &file.info, &sample))
+        return true;
+    if (sp_failure_read(file.path, name, &sample, NULL) != SP_OK)
+        return false;
+    sp_store_enter(store, &sample);
+    return true;
+}
+
 /* ---- reading --------------------------------------------------------------------------------------------------- */
 
 sp_status sp_store_read(sp_store *store, const char *name, sp_packing *packing, sp_sample *sample,
@@ -97,7 +169,7 @@ sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int
         status = sp_fail_memory(err, (size_t)list.count * sizeof *all);
     for (int64_t k = 0; status == SP_OK && k < list.count; k++) {
         sp_error reason = {0};
-        sp_status one = sp_store_sample(store, list.name[k], &all[good], &reason);
+        sp_status one = find_sample(store, list.name[k], &all[good], &reason);
         if (one == SP_OK) {
             good++;
         } else if (one == SP_ENOMEM || (one == SP_EIO && sp_store_holds(store, list.name[k], "h5"))) {
