@@ -32,15 +32,6 @@ static const char head[] =
     "with the first value of each list or range in place of a value. --set takes lists and ranges, too.\n\n"
     "The group column is for `sonopack column' only, in cm, g and s. It is independent of the other groups.\n";
 
-/* The finished text; NULL without memory. */
-static char *finish(sp_text *t) {
-    sp_text_add(t, "%s", "");
-    if (!t->failed)
-        return t->data;
-    sp_text_free(t);
-    return NULL;
-}
-
 /* The value as people write it: the text of a scene marks 64 bits with L, and printf pads exponents. */
 static void put_plain(sp_text *t, const sp_scene *s, const sp_field *f) {
     char value[SP_NUMBER_TEXT];
@@ -66,7 +57,7 @@ char *sp_scene_help(void) {
             sp_text_add(&t, "    must be %s\n", sp_field_right(f, right, sizeof right));
     }
     sp_scene_free(&s);
-    return finish(&t);
+    return sp_field_text_end(&t);
 }
 
 /* ---- one key ---------------------------------------------------------------------------------------------------- */
@@ -197,7 +188,7 @@ char *sp_scene_help_key(const char *word) {
         put_key(&t, &s, f);
     }
     sp_scene_free(&s);
-    return finish(&t);
+    return sp_field_text_end(&t);
 }
 
 const char *sp_scene_key(int k) { return k >= 0 && k < SP_FIELDS ? sp_fields[k].key : NULL; }
