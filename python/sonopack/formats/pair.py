@@ -30,73 +30,70 @@ class _Rows:
 
     def __init__(self, file: str) -> None:
         self.file = file
-        self._text = text_of(file).decode(errors="replace")
+        text = text_of(file).decode(errors="replace")
         self.said: dict[str, str] = {}
-        for key, value in re.findall(r"^[ \t]*#[ \t]*(\w+)[ \t]*=[ \t]*(\S+)", self._text, re.M):
+        for key, value in re.findall(r"^[ \t]*#[ \t]*(\w+)[ \t]*=[ \t]*(\S+)", text, re.M):
             self.said.setdefault(key, value)
-        self._first = next((k for k, line in enumerate(self._text.split("\n")) if self._is_row(line)), -1)
-        if self._first < 0:
+        lines = [(k, line) for k, line in enumerate(text.split("\n"), 1) if line.strip() and line.lstrip(" \t")[0] != "#"]
+        if not lines:
             raise bad_file(f"{file}: empty: must have a header row with the names of the columns")
-        header = self._text.split("\n")[self._first]
-        self._tabs = "\t" in header
-        self.names = self._cells(header)
-        self.words = self._parse()
-
-    @staticmethod
-    def _is_row(line: str) -> bool:
-        return line.strip() != "" and not line.lstrip(" \t").startswith("#")
+        self._tabs = "\t" in lines[0][1]
+        self.names = self._cells(lines[0][1])
+        self.line = [k for k, _ in lines[1:]]  #: the number of each row's line
+        self._rows = [line for _, line in lines[1:]]
+        words = {k: str for k, name in enumerate(self.names) if name in ("id", "i", "j")}
+        try:
+            self._columns = self._parse({k: words.get(k, float) for k in range(len(self.names))})
+        except (ValueError, OverflowError):  # other words: each is looked at
+            self._columns = self._parse(str)
 
     def _cells(self, line: str) -> list[str]:
         return [cell.strip(" ") for cell in line.split("\t")] if self._tabs else line.split()
 
-    def _parse(self) -> Any:
+    def _parse(self, kind: Any) -> Any:
         import pandas
         columns = range(len(self.names))
-        body = "\n".join(line for line in self._text.split("\n")[self._first + 1:] if self._is_row(line))
         full = ("\t" if self._tabs else " ").join("0" * (len(columns) + 1))  # pandas wants one row with all columns
         try:
-            frame = pandas.read_csv(io.StringIO(f"{full}\n{body}\n"), header=None, names=[*columns, "more"], dtype=str,
-                                    sep="\t" if self._tabs else r"\s+", keep_default_na=False, na_values=[""],
-                                    quoting=3, index_col=False, skipinitialspace=True)
-        except pandas.errors.ParserError as fault:
-            self._check_shape()
-            raise bad_file(f"{self.file}: {fault}") from None
-        frame = frame.iloc[1:]
-        if frame.pop("more").notna().any() or frame.isna().to_numpy().any():  # or empty cells
-            self._check_shape()
-        return frame.fillna("")
-
-    def _lines(self) -> list[int]:
-        return [k + 1 for k, line in enumerate(self._text.split("\n")) if self._is_row(line)][1:]
-
-    def _check_shape(self) -> None:
-        lines = self._text.split("\n")
-        for k in self._lines():
-            found = len(self._cells(lines[k - 1]))
+            frame = pandas.read_csv(io.StringIO("\n".join([full, *self._rows, ""])), header=None,
+                                    names=[*columns, "more"], dtype=kind, sep="\t" if self._tabs else r"\s+",
+                                    keep_default_na=False, na_values=[""], quoting=3, index_col=False,
+                                    skipinitialspace=True, engine="c", float_precision="round_trip").iloc[1:]
+            wrong = frame.pop("more").notna().any() or frame.isna().to_numpy().any()  # or empty cells
+        except pandas.errors.ParserError:
+            wrong = True
+        for k, row in enumerate(self._rows if wrong else []):
+            found = len(self._cells(row))
             if found != len(self.names):
-                raise bad_file(f"{self.file}:{k}: {found} cells where the first row has {len(self.names)}")
+                self.fail(k, f"{found} cells where the first row has {len(self.names)}")
+        return frame
 
     def __len__(self) -> int:
-        return len(self.words)
+        return len(self._rows)
 
     def fail(self, row: int, text: str) -> NoReturn:
-        raise bad_file(f"{self.file}:{self._lines()[row]}: {text}")
+        raise bad_file(f"{self.file}:{self.line[row]}: {text}")
 
     def column(self, name: str) -> list[str]:
         """The words of a column, which must be there."""
         if name not in self.names:
             raise bad_file(f"{self.file}: no column '{name}' in the header row")
-        return [str(word) for word in self.words[self.names.index(name)]]
+        return [str(word) for word in self._column(name).fillna("")]
+
+    def _column(self, name: str) -> Any:
+        return self._columns[self.names.index(name)]
 
     def numbers(self, name: str, optional: bool = False) -> Floats:
         """The finite numbers of a column. optional: NaN where the column or the number is missing."""
         if optional and name not in self.names:
             return np.full(len(self), math.nan)
+        if name in self.names and self._column(name).dtype != object:
+            found: Floats = self._column(name).to_numpy(dtype=float)
+            if np.isfinite(found).all():
+                return found
+            self._columns = self._parse(str)
         words = self.column(name)
-        try:
-            values = np.array([float(word or "nan") for word in words])
-        except ValueError:
-            values = np.array([number(word) for word in words])
+        values = np.array([number(word) for word in words])
         for k in np.flatnonzero(~np.isfinite(values)):
             if not (optional and words[k] == ""):
                 self.fail(int(k), f"{name} is '{words[k]:.60}'; must be a finite number")
@@ -193,7 +190,7 @@ def _grains(g: _Rows, dim: int, sides: dict[str, int]) -> tuple[dict[str, int], 
         if word == "" or word in sides:
             g.fail(k, f"id is '{word:.60}'; must be a number or word, not the name of a wall")
         if place.setdefault(word, k) != k:
-            g.fail(k, f"id {word:.60} stands already in line {g._lines()[place[word]]}")
+            g.fail(k, f"id {word:.60} stands already in line {g.line[place[word]]}")
     if not place:
         raise bad_file(f"{g.file}: 0 grains; must be 1 or more")
     masses: list[Floats | None] = [None, None]
