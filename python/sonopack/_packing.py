@@ -110,14 +110,12 @@ class Packing(_core.Drawn, _core.Result):
         return cls(out)
 
     @classmethod
-    @documented("sp_packing_read_tables")
     def read_tables(cls, grains: Path, contacts: Path, keys: Mapping[str, Any] | None = None) -> Packing:
-        """Reads a table of grains and one of contacts. keys: {"pressure": 1e-4, ...}, in place of their comments."""
-        texts = [ffi.new("char[]", f"{key}={value}".encode()) for key, value in (keys or {}).items()]
-        array = ffi.new("char *[]", texts) if texts else ffi.NULL
-        out = _none()
-        call(lib.sp_packing_read_tables, c_path(grains), c_path(contacts), len(texts), array, out)
-        return cls(out)
+        """Reads a table of grains and one of contacts, and checks the packing. keys: {"pressure": 1e-4, ...}, in place of
+        their comments: dimension, width, depth, height, cell, xy, xz, yz, gravity, pressure, friction, poisson, wall,
+        material, seed."""
+        from .formats import pair
+        return pair.read(os.fsdecode(grains), os.fsdecode(contacts), keys or {})
 
     @classmethod
     def from_arrays(cls, x: npt.ArrayLike, r: npt.ArrayLike, contacts: Mapping[str, npt.ArrayLike] | npt.NDArray[Any],
@@ -195,7 +193,10 @@ class Packing(_core.Drawn, _core.Result):
 
     def save_tables(self, grains: Path, contacts: Path) -> None:
         """Writes a table of grains and one of contacts."""
-        call(lib.sp_packing_save_tables, self._c, c_path(grains), c_path(contacts))
+        from . import formats
+        from .formats import pair
+        call(lib.sp_packing_check, self._c)
+        formats.write_files(pair.content(self, os.fsdecode(grains), os.fsdecode(contacts)))
 
     def of_material(self, material: Material) -> Packing:
         """The same packing of grains of another material, which tells what its numbers are in SI units."""

@@ -147,24 +147,28 @@ def usual_stiffness(r: Floats, links: Links, wall: str, friction: float, poisson
 def tangents(links: Links, dim: int) -> Links:
     """In two dimensions tangential forces are Ft (-ny, nx), with a number Ft that our tables give back with all
     bits."""
-    if dim != 2:
-        return links
-    n, scalar = links.n, _tangent(links.n, links.ft)
-    links.ft = _product(n, scalar)
-    for k in np.flatnonzero(_tangent(n, links.ft) != scalar):
-        # two neighbouring numbers have the same product: the vector moves by an ulp, to one that is no product
-        x, y = (np.array([np.nextafter(v, -np.inf), v, np.nextafter(v, np.inf)]) for v in links.ft[k, :2])
-        moved = np.stack([np.repeat(x, 3), np.tile(y, 3), np.zeros(9)], axis=1)
-        good = np.flatnonzero(_tangent(np.tile(n[k], (9, 1)), moved) == scalar[k])
-        links.ft[k] = moved[good[0]] if len(good) else links.ft[k]
+    if dim == 2:
+        links.ft = tangent_vectors(links.n, tangent_numbers(links.n, links.ft))
     return links
 
 
+def tangent_vectors(n: Floats, scalar: Floats) -> Floats:
+    """Ft (-ny, nx), from which tangent_numbers gives the same Ft."""
+    ft = _product(n, scalar)
+    for k in np.flatnonzero(tangent_numbers(n, ft) != scalar):
+        # two neighbouring numbers have the same product: the vector moves by an ulp, to one that is no product
+        x, y = (np.array([np.nextafter(v, -np.inf), v, np.nextafter(v, np.inf)]) for v in ft[k, :2])
+        moved = np.stack([np.repeat(x, 3), np.tile(y, 3), np.zeros(9)], axis=1)
+        good = np.flatnonzero(tangent_numbers(np.tile(n[k], (9, 1)), moved) == scalar[k])
+        ft[k] = moved[good[0]] if len(good) else ft[k]
+    return ft
+
+
 def _product(n: Floats, scalar: Floats) -> Floats:
-    return np.stack([scalar * -n[:, 1] + 0.0, scalar * n[:, 0] + 0.0, 0 * scalar], axis=1)
+    return np.stack([scalar * -n[:, 1] + 0.0, scalar * n[:, 0] + 0.0, np.zeros(len(n))], axis=1)
 
 
-def _tangent(n: Floats, ft: Floats) -> Floats:
+def tangent_numbers(n: Floats, ft: Floats) -> Floats:
     """The number whose product is ft, within two ulps of the rounded quotient; else that."""
     wide_n, wide = n.astype(np.longdouble), ft.astype(np.longdouble)
     along = wide[:, 0] * -wide_n[:, 1] + wide[:, 1] * wide_n[:, 0]

@@ -1,14 +1,89 @@
-/* Reads lists of numbers from a scene, and the list of diameters from a file of its own. */
+/* Reads single values and lists from the settings of libconfig, and the list of diameters from a file of its own. */
 #include "base/base.h"
 #include "base/text.h"
 #include "scene/reader.h"
 #include "scene/source.h"
 
-#include <ctype.h>
 #include <math.h>
+#include <sonopack/units.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
+
+/* A value as the file has it, shortened for messages. */
+static const char *setting_text(const config_setting_t *setting, char *buf, size_t size) {
+    switch (config_setting_type(setting)) {
+    case CONFIG_TYPE_INT:
+    case CONFIG_TYPE_INT64: snprintf(buf, size, "%lld", config_setting_get_int64(setting)); break;
+    case CONFIG_TYPE_FLOAT: sp_number_text(config_setting_get_float(setting), buf); break;
+    case CONFIG_TYPE_BOOL: snprintf(buf, size, "%s", config_setting_get_bool(setting) ? "true" : "false"); break;
+    case CONFIG_TYPE_STRING: snprintf(buf, size, "\"%.40s\"", config_setting_get_string(setting)); break;
+    case CONFIG_TYPE_GROUP: snprintf(buf, size, "{ ... }"); break;
+    default: snprintf(buf, size, "a list"); break;
+    }
+    return buf;
+}
+
+sp_status sp_reader_wrong(const sp_reader *r, const sp_field *f, const config_setting_t *setting) {
+    char value[64], right[200];
+    return sp_fail_key(r->err, SP_EINVAL, f->key, " = %s: must be %s", setting_text(setting, value, sizeof value),
+                       sp_field_right(f, right, sizeof right));
+}
+
+bool sp_reader_number(const config_setting_t *setting, sp_number *out) {
+    const int type = config_setting_type(setting);
+    if (type == CONFIG_TYPE_FLOAT) {
+        *out = (sp_number){.real = config_setting_get_float(setting)};
+        return true;
+    }
+    if (type != CONFIG_TYPE_INT && type != CONFIG_TYPE_INT64)
+        return false;
+    *out = (sp_number){.integral = true, .integer = config_setting_get_int64(setting)};
+    out->real = (double)out->integer;
+    return true;
+}
+
+sp_status sp_reader_quantity(const sp_reader *r, const sp_field *f, const config_setting_t *setting, sp_number *out) {
+    if (sp_reader_number(setting, out))
+        return SP_OK;
+    const sp_key *limits = sp_field_limits(f);
+    const bool text = config_setting_type(setting) == CONFIG_TYPE_STRING;
+    if (!text || !limits || !limits->unit[0] || !strpbrk(config_setting_get_string(setting), "0123456789"))
+        return sp_reader_wrong(r, f, setting);
+    *out = (sp_number){0};
+    sp_status status =
+        sp_quantity_read(config_setting_get_string(setting), limits->unit, &r->scene.material, &out->real, r->err);
+    return status == SP_OK ? status : sp_fail_prefix_key(r->err, f->key);
+}
+
+sp_status sp_reader_checked_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, sp_number *out) {
+    r->line = config_setting_source_line(setting);
+    sp_status status = sp_reader_quantity(r, f, setting, out);
+    return status == SP_OK ? sp_field_check(f, out, r->err) : status;
+}
+
+sp_status sp_reader_swept_number(sp_reader *r, const sp_field *f, const config_setting_t *setting, double *out) {
+    const double most = 0x1p53; /* sweeps hold doubles, which do not hold every larger integer */
+    sp_number number;
+    sp_status status = sp_reader_checked_number(r, f, setting, &number);
+    if (status != SP_OK)
+        return status;
+    if (f->type == SP_FIELD_INT64 && (number.integral ? number.integer > (int64_t)most : number.real > most))
+        return sp_fail_key(r->err, SP_EINVAL, f->key, " = %.17g: must be %.0f at the most where it is swept",
+                           number.real, most);
+    *out = number.real + 0.0;
+    return SP_OK;
+}
+
+const sp_word *sp_reader_word(const sp_field *f, const config_setting_t *setting) {
+    if (config_setting_type(setting) != CONFIG_TYPE_STRING)
+        return NULL;
+    for (const sp_word *w = f->words; w->word; w++)
+        if (strcmp(w->word, config_setting_get_string(setting)) == 0)
+            return w;
+    return NULL;
+}
+
+/* ---- lists ------------------------------------------------------------------------------------------------------ */
 
 static sp_status too_many(const sp_reader *r, const sp_field *f, int64_t count) {
     return sp_fail_key(r->err, SP_EINVAL, f->key, ": %lld numbers: must be %d at the most", (long long)count,
@@ -118,61 +193,30 @@ sp_status sp_read_path(sp_reader *r, const sp_field *f, const config_setting_t *
     return read_name(r, f, setting, sizeof r->scene.from, r->scene.from);
 }
 
-/* Reads a line that holds one decimal number, with blanks around it. strtod alone would also accept "nan", "inf" and
- * hexadecimal numbers. */
-static bool number_of_line(const char *line, const char *end, double *out) {
-    char word[64];
-    while (line < end && isspace((unsigned char)*line))
-        line++;
-    while (end > line && isspace((unsigned char)end[-1]))
-        end--;
-    const size_t n = (size_t)(end - line);
-    if (n == 0 || n >= sizeof word)
-        return false;
-    memcpy(word, line, n);
-    word[n] = '\0';
-    char *rest;
-    if (word[strspn(word, "0123456789+-.eE")] != '\0')
-        return false;
-    sp_locale locale = sp_locale_enter();
-    *out = strtod(word, &rest);
-    sp_locale_leave(&locale);
-    return *rest == '\0';
-}
-
-static bool is_blank(const char *line, const char *end) {
-    while (line < end && isspace((unsigned char)*line))
-        line++;
-    return line == end;
-}
-
-/* Reads the numbers of a text, one a line; *count says how many on success. */
-static sp_status read_lines(sp_reader *r, const sp_field *f, const char *text, double *out, int32_t *count) {
+/* Reads the numbers of a text, one a line. *out grows, and is the caller's even after a failure. */
+static sp_status read_lines(sp_reader *r, const sp_field *f, char *text, double **out, int32_t *count) {
     const sp_key *range = sp_field_limits(f);
-    char allowed[128];
-    int32_t used = 0;
-    int64_t number = 1;
-    if (strncmp(text, "\xef\xbb\xbf", 3) == 0) /* the byte order mark of some editors */
-        text += 3;
-    for (const char *line = text; *line; number++) {
-        const char *next = line + strcspn(line, "\n"), *end = line + strcspn(line, "#\n");
-        if (!is_blank(line, end)) {
-            double value = NAN;
-            if (used == SP_DIAMETERS_MAX)
-                return too_many(r, f, (int64_t)used + 1);
-            if (!number_of_line(line, end, &value) || !sp_key_allows(range, value))
-                return sp_fail(r->err, SP_EINVAL, "%s:%lld: \"%.*s\": must be one number %s, # begins a comment",
-                               r->list, (long long)number, (int)(end - line < 40 ? end - line : 40), line,
-                               sp_key_range(range, allowed, sizeof allowed));
-            out[used++] = value;
-        }
-        line = *next ? next + 1 : next;
+    sp_lines lines = sp_lines_of(r->list, text, strlen(text));
+    size_t capacity = 0;
+    for (*count = 0;; ++*count) {
+        char *line, *word[1], allowed[128], shown[41];
+        double value = NAN;
+        sp_status status = sp_lines_next_data(&lines, &line, r->err);
+        if (status != SP_OK || !line)
+            return status == SP_EFORMAT ? SP_EINVAL : status;
+        line[strcspn(line, "#")] = '\0';
+        snprintf(shown, sizeof shown, "%s", line);
+        if (*count == SP_DIAMETERS_MAX)
+            return too_many(r, f, (int64_t)*count + 1);
+        if (sp_line_words(line, word, 1) != 1 || !sp_word_number(word[0], &value) || !sp_key_allows(range, value))
+            return sp_fail(r->err, SP_EINVAL, "%s:%lld: \"%s\": must be one number %s, # begins a comment", r->list,
+                           (long long)lines.number, shown, sp_key_range(range, allowed, sizeof allowed));
+        double *grown = sp_grow(*out, (size_t)*count + 1, &capacity, sizeof *grown);
+        if (!grown)
+            return sp_fail_memory(r->err, (size_t)*count * sizeof *grown);
+        *out = grown;
+        grown[*count] = value;
     }
-    if (used == 0)
-        return sp_fail(r->err, SP_EINVAL, "%s: an empty list: must hold a diameter for each grain, one a line",
-                       r->list);
-    *count = used;
-    return SP_OK;
 }
 
 sp_status sp_reader_load_list(sp_reader *r) {
@@ -184,23 +228,15 @@ sp_status sp_reader_load_list(sp_reader *r) {
     double *diameters = NULL;
     int32_t count = 0;
     sp_status status = sp_source_load(r->list, "list of diameters", &text, r->err);
-    if (status != SP_OK)
-        goto out;
-    size_t lines = 1;
-    for (const char *at = text; *at; at++)
-        lines += *at == '\n';
-    if (lines > SP_DIAMETERS_MAX)
-        lines = SP_DIAMETERS_MAX;
-    diameters = sp_alloc(lines, sizeof *diameters);
-    status = diameters ? read_lines(r, f, text, diameters, &count) : sp_fail_memory(r->err, lines * sizeof *diameters);
-    if (status == SP_OK) {
-        sp_scene_own_list(&r->scene, f, diameters, count);
-        diameters = NULL;
-    }
-out:
-    sp_free(diameters);
+    if (status == SP_OK)
+        status = read_lines(r, f, text, &diameters, &count);
+    if (status == SP_OK && count == 0)
+        status =
+            sp_fail(r->err, SP_EINVAL, "%s: an empty list: must hold a diameter for each grain, one a line", r->list);
     sp_free(text);
-    if (status == SP_EINVAL)
-        sp_fail_prefix_key(r->err, key);
-    return status;
+    if (status == SP_OK)
+        sp_scene_own_list(&r->scene, f, diameters, count);
+    else
+        sp_free(diameters);
+    return status == SP_EINVAL ? sp_fail_prefix_key(r->err, key) : status;
 }
