@@ -83,15 +83,22 @@ class Packing(_core.Drawn, _core.Result):
             call(lib.sp_pack_spec_from, ffi.addressof(struct, "pack"), start._c)
             if not struct.material.young > 0:
                 struct.material = start._c.material
+        made = cls.of_spec(ffi.addressof(struct, "pack"), start, progress=progress, threads=threads)
+        if made._c.scene == ffi.NULL:
+            made._c.scene = lib.sp_scene_text(struct, b"packing")
+        made._c.material = struct.material
+        return made
+
+    @classmethod
+    def of_spec(cls, spec: Any, start: Packing | None = None, *,
+                progress: Callable[[PackProgress], object] | None = None, threads: int = 1) -> Packing:
+        """Compresses the packing of an sp_pack_spec, from a gas or from a start."""
         watch = Watch(progress)
         hooks = ffi.new("sp_pack_hooks *", {"watch": lib.sonopack_pack_watch, "user": watch.handle, "threads": threads})
         if start is not None:
             setattr(hooks, "from", start._c)
         out = _none()
-        watch.run(lib.sp_packing_make_with, ffi.addressof(struct, "pack"), hooks, out)
-        if out.scene == ffi.NULL:
-            out.scene = lib.sp_scene_text(struct, b"packing")
-        out.material = struct.material
+        watch.run(lib.sp_packing_make_with, spec, hooks, out)
         return cls(out)
 
     @classmethod
