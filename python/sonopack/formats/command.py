@@ -303,7 +303,7 @@ def _find_motion(job: _Job, packing: Packing) -> list[motion.Motion]:
 def _moved(a: argparse.Namespace, one: motion.Motion, amount: float = 1.0) -> dict[str, Any]:
     """Displacements and rotations in the units of the file. A mode has |M^(1/2) u| = 1, so that its u is in 1/sqrt(rho
     d^3) and its rotations in 1/sqrt(rho d^5)."""
-    m, (u, turn) = one.network.packing.material, one.of_grains(amount)
+    m, (u, turn) = one.network.packing.material, motion.of_grains(one, amount)
     scale = 1.0 if a.units != "si" else 1 / math.sqrt(m.density * math.pow(m.diameter, 3)) if one.is_mode else m.diameter
     by_angle = scale / m.diameter if a.units == "si" else 1.0
     return {"displacement": scale * u, "rotation": None if turn is None else by_angle * turn}
