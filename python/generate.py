@@ -182,8 +182,6 @@ def comments_of(text, reference):
         name = name_of(code)
         if name and not name.endswith("_free") and (own or fields):
             reference[name] = (own, fields)
-        if "{" in code:  # of a struct; the functions below it have comments of their own
-            above = ""
 
 
 # ---- quantities -----------------------------------------------------------------------------------------------------

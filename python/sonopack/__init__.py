@@ -14,7 +14,7 @@ Column is the tapped column. Lengths are in mean grain diameters d, pressures in
 Numbers are those of the command `sonopack`, bit for bit. Arrays are views of the library's memory: they are not copied,
 cannot be written to, and keep it alive. Long calls run without the interpreter's lock. Failures raise SonopackError.
 """
-from ._amplitude import solitary
+from ._chain import solitary
 from ._column import Column, ColumnRun
 from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, text_of as _text_of
 from ._inference import CODA_CANDIDATE, DESIGN_STEP, Coda, Design, Uncertain, Uncertainty, design, uncertainty

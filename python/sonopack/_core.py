@@ -363,6 +363,14 @@ class Result(Owner):
         return f"<{type(self).__name__}: {', '.join(shown)}>"
 
 
+class NetworkResult(Result):
+    """A result that a network and options make."""
+
+    def __init__(self, network: Any, *given: Any) -> None:
+        self.network = network
+        self._make(network._c, *given)
+
+
 class _Field:
     """A field of the owner's struct. A name that the header does not have is an error at import."""
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _amplitude, _core, _scene
+from . import _core, _scene
 from ._core import Array, Floats, Path, Value, c_path, call, documented
 from ._native import ffi, lib
 from ._network import Network
@@ -303,20 +303,35 @@ class Packing(_core.Drawn, _core.Result):
     def loud_fronts(self, amplitudes: npt.ArrayLike, *, source: str | None = None, until: float | None = None,
                     tolerance: float | None = None) -> list[AmplitudeFront]:
         """The front at the top wall after pulses of these amplitudes, as `sonopack amplitude` finds it."""
-        return _amplitude.fronts(self, amplitudes, source=source, until=until, tolerance=tolerance)
+        given = _core.floats(amplitudes, "amplitudes").ravel()
+        out = ffi.new("sp_amplitude_front[]", len(given))
+        options = _core.options_of("sp_amplitude_options", {"source": source, "until": until, "tolerance": tolerance})
+        call(lib.sp_amplitude_pulses, self._c, options, len(given), _core.pointer_to(given), out, ffi.NULL)
+        return [_core.record(AmplitudeFront, one, self.material) for one in out]
 
     @documented("sp_amplitude_planes")
     def loud_planes(self, amplitude: float, heights: npt.ArrayLike, *, source: str | None = None,
                     until: float | None = None, tolerance: float | None = None) -> list[AmplitudePlane]:
         """The fronts of one pulse at planes of these heights, ascending."""
-        return _amplitude.planes(self, amplitude, heights, source=source, until=until, tolerance=tolerance)
+        given = _core.floats(heights, "heights").ravel()
+        out = ffi.new("sp_amplitude_plane[]", len(given))
+        options = _core.options_of("sp_amplitude_options", {"source": source, "until": until, "tolerance": tolerance})
+        call(lib.sp_amplitude_planes, self._c, options, float(amplitude), len(given), _core.pointer_to(given), out, ffi.NULL)
+        return [_core.record(AmplitudePlane, one, self.material) for one in out]
 
     @documented("sp_amplitude_bursts")
     def loud_burst(self, amplitude: float, omega: float, cycles: int = 6, *, planes: int = 10,
                    heights: npt.ArrayLike | None = None,
                    tolerance: float | None = None) -> tuple[list[AmplitudeHarmonics], AmplitudeSecond]:
         """The harmonics of a burst at planes, `planes` equal distances or these heights, and what they tell together."""
-        return _amplitude.burst(self, amplitude, omega, cycles, planes, heights, tolerance=tolerance)
+        given = None if heights is None else _core.floats(heights, "heights").ravel()
+        made = ffi.new("sp_amplitude_burst *", {"amplitude": float(amplitude), "omega": float(omega), "cycles": int(cycles)})
+        out = ffi.new("sp_amplitude_harmonics[]", planes if given is None else len(given))
+        second = ffi.new("sp_amplitude_second *")
+        call(lib.sp_amplitude_bursts, self._c, _core.options_of("sp_amplitude_options", {"tolerance": tolerance}), made,
+             len(out), ffi.NULL if given is None else _core.pointer_to(given), out, second)
+        return ([_core.record(AmplitudeHarmonics, one, self.material) for one in out],
+                _core.record(AmplitudeSecond, second, self.material))
 
     def _known_material(self) -> Material:
         return self.material

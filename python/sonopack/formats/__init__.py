@@ -52,7 +52,8 @@ def read(path: Path, *, form: str = "auto", material: Material | None = None, **
     options.contacts, options.walls = (None if word is None else os.fspath(word)
                                        for word in (options.contacts, options.walls))
     options.keys = keys_of(words)
-    packing, packing.report = load(os.fspath(path), options)
+    packing, report = load(os.fspath(path), options)
+    packing.report = report
     return packing
 
 
@@ -137,7 +138,8 @@ def series(path: Path, **words: Any) -> Iterator[Packing]:
     name = os.fspath(path)
     files = sorted(glob.glob(os.path.join(name, "*") if os.path.isdir(name) else name)) or [name]
     if len(files) == 1 and not os.path.isdir(name):
-        for frame in frames_of(files[0], words.get("form", "auto")) or [None]:
+        frames: list[int | None] = [*frames_of(files[0], words.get("form", "auto"))]
+        for frame in frames or [None]:
             yield Packing.read(files[0], **{**words, "frame": frame})
         return
     lists = sorted(glob.glob(os.fspath(words.get("contacts") or "")))
@@ -176,7 +178,7 @@ def save(packing: Packing, path: Path, *, form: str | None = None, si: bool = Fa
     [n][3] are listed as they are."""
     name = os.fspath(path)
     form, plain = form or form_for(name), name.removesuffix(".gz")
-    if form not in ENDINGS.values():
+    if form is None or form not in ENDINGS.values():
         raise bad_option(f"{name}: the ending of a packing must be .h5, .txt or {', '.join(ENDINGS)}")
     if si and not packing.material.young > 0:
         raise bad_option("si: the packing has no material")
@@ -184,9 +186,9 @@ def save(packing: Packing, path: Path, *, form: str | None = None, si: bool = Fa
     if displacement is not None and form == "lammps-data":
         raise bad_option(f"{name}: this form has no place for displacements")
     for values in (displacement, rotation):
-        bad = np.flatnonzero(~np.isfinite(values).all(axis=1)) if values is not None else []
-        if len(bad):
-            raise bad_option(f"the displacement of grain {bad[0]} is not a finite number")
+        if values is not None and not np.isfinite(values).all():
+            bad = np.flatnonzero(~np.isfinite(values).all(axis=1))[0]
+            raise bad_option(f"the displacement of grain {bad} is not a finite number")
     e = Export(packing, plain, packing.material if si else None, displacement, rotation)
     files = (vtk.write(e) if form == "vtp" else whole.write_csv(e) if form == "csv" else {plain: _SINGLE[form](e)})
     write_files({file + name[len(plain):]: data for file, data in files.items()})

@@ -15,6 +15,7 @@ from .._command import Parser, cores, may_write, note, number, option, usage, wh
 from .._packing import Packing
 from .._records import Material
 from .._table import material_of
+from ..plot._motion import Motion
 from . import forms, motion, vtk
 from .export import Export
 from .options import Options, read_keys
@@ -143,7 +144,8 @@ class _Job:
 def _job(a: argparse.Namespace) -> _Job:
     if len(a.files) > 2:
         raise usage(f"{len(a.files)} files; must be IN and OUT")
-    job = _Job(a, *(a.files + [None, None])[:2], a.grains, a.contacts)
+    source, target = (a.files + [None, None])[:2]
+    job = _Job(a, source, target, a.grains, a.contacts)
     if a.output and job.target:
         raise usage(f"OUT is given twice, as {job.target} and -o {a.output}")
     own_table = job.grains or (job.source or "").endswith(".tsv") and a.contacts != "overlap"
@@ -290,7 +292,7 @@ def _take_material(job: _Job, packing: Packing) -> Packing:
 
 # ---- writing --------------------------------------------------------------------------------------------------------
 
-def _find_motion(job: _Job, packing: Packing) -> list[motion.Motion]:
+def _find_motion(job: _Job, packing: Packing) -> list[Motion]:
     """The mode, or the motion at each time."""
     a = job.a
     if job.source is None or job.foreign:
@@ -300,7 +302,7 @@ def _find_motion(job: _Job, packing: Packing) -> list[motion.Motion]:
     return [motion.find(packing, a.mode, a.vectors)]
 
 
-def _moved(a: argparse.Namespace, one: motion.Motion, amount: float = 1.0) -> dict[str, Any]:
+def _moved(a: argparse.Namespace, one: Motion, amount: float = 1.0) -> dict[str, Any]:
     """Displacements and rotations in the units of the file. A mode has |M^(1/2) u| = 1, so that its u is in 1/sqrt(rho
     d^3) and its rotations in 1/sqrt(rho d^5)."""
     m, (u, turn) = one.network.packing.material, motion.of_grains(one, amount)

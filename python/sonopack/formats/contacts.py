@@ -73,10 +73,11 @@ def _read_list(w: Work, sheet: Sheet) -> None:
         raise bad_file(f"{sheet.file}: lists no contact between two grains of {w.path}; --contacts overlap finds them")
     _turn_sense(w, listed, links, sense)
     w.links = _remove_twins(w, listed, links)
-    vectors, force = listed.vectors, listed.vectors["f"] or listed.vectors["fn"] or [listed.numbers["fn"]]
-    w.has_forces = force[0] is not None
-    w.has_ft = bool(vectors["ft"] or vectors["f"] or listed.numbers["ft"])
-    w.force_place = math.nan if force[0] is None else math.pow(10, 1 - min(sheet.digits([force[0][0]]), 17))
+    vector = listed.vectors["f"] or listed.vectors["fn"]
+    force = vector[0] if vector else listed.numbers["fn"]
+    w.has_forces = force is not None
+    w.has_ft = bool(listed.vectors["ft"] or listed.vectors["f"] or listed.numbers["ft"])
+    w.force_place = math.nan if force is None else math.pow(10, 1 - min(sheet.digits([force[0]]), 17))
     if beside > 0:
         w.note(f"{beside} contacts with side walls are left out")
 
@@ -185,7 +186,7 @@ def _read_vectors(w: Work, listed: _List, links: Links, turn: Floats) -> float:
     else:
         raise bad_file(f"{sheet.file}: column {sheet.names[ft[0]]} alone; in three dimensions tangential forces must be "
                        "vectors, ft_x ft_y ft_z")
-    links.ft = (turn * w.column(sheet, ft, links.row))[:, None] * t * w.force
+    links.ft = (turn * (sheet.finite(ft[0], links.row) * ft[1]))[:, None] * t * w.force
     return sense
 
 

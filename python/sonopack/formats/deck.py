@@ -84,7 +84,7 @@ def _step(s: Any, pressure: float, height: float) -> float:
     stable, usual = (math.sqrt(v * v + 4) - v for v in (viscous, 6.25 * 0.8))
     step = min(s.time_step, _DEFAULT_STEP)  # longer steps need grains with more inertia, which LAMMPS does not have
     factor = _STEP_AT_DEFAULT * step / _DEFAULT_STEP * min(2, stable / usual)
-    return factor * math.sqrt(_mass(0.5 * s.diameter_min) / max(loaded, struck))
+    return float(factor * math.sqrt(_mass(0.5 * s.diameter_min) / max(loaded, struck)))
 
 
 # ---- gas ------------------------------------------------------------------------------------------------------------

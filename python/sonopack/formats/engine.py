@@ -227,7 +227,7 @@ def _execute(words: list[str], folder: pathlib.Path, show: _Show) -> float:
         raise SonopackError("stopped while LAMMPS was running", Status.EINTERRUPTED)
     if child.returncode != 0:
         _fail(words[-6], folder, child.returncode)
-    return spent.ru_utime + spent.ru_stime
+    return float(spent.ru_utime + spent.ru_stime)
 
 
 def _kill(group: int, number: signal.Signals) -> None:

@@ -82,7 +82,8 @@ def _tangent(n: Floats, ft: Floats) -> Floats:
 
 def _wrap(w: Work) -> Floats:
     """Positions inside of the cell along its periodic axes; those inside remain the same, bit for bit."""
-    x, lattice = w.x + 0.0, w.lattice()
+    x: Floats = w.x + 0.0
+    lattice = w.lattice()
     for a in reversed(range(w.dim)):
         if not w.periodic[a]:
             continue
@@ -93,7 +94,8 @@ def _wrap(w: Work) -> Floats:
         away = np.flatnonzero(~inside)
         x[away] -= np.floor(s[away])[:, None] * lattice[a]
         x[away] -= (w.fractions(x[away])[:, a] >= 1)[:, None] * lattice[a]  # a tiny negative number rounds to the far end
-    return x + 0.0
+    x = x + 0.0
+    return x
 
 
 def _axes_outside(w: Work) -> Integers:

@@ -274,7 +274,7 @@ class Sheet:
 
     def whole(self, column: int, rows: Integers | None = None) -> Integers:
         """The same of whole numbers."""
-        values = self.values[:, column] if rows is None else self.values[rows, column]
+        values: Floats = self.values[:, column] if rows is None else self.values[rows, column]
         self.refuse(~((np.abs(values) < 9e15) & (values == np.trunc(values))), column, "a whole number", rows)
         return values.astype(np.int64)
 

@@ -11,7 +11,7 @@ from .sheet import Cursor, Frame, Sheet, number, shown, text_of
 
 def read(path: str, frame: int | None = None) -> Sheet:
     """The rows of one frame, if there is a column of that name: the given one, or the last."""
-    at, said = Cursor(path, text_of(path)), {}
+    at, said = Cursor(path, text_of(path)), dict[str, str]()
     line = at.words()
     while line is not None and line.startswith("#"):
         if comment := re.match(r"#[ \t]*(\S+)[ \t]+=[ \t]+(\S+)", line):

@@ -126,10 +126,11 @@ def frame_name(path: str, k: int) -> str:
 
 def write_frame(e: Export, time: float, scale: float) -> bytes:
     """A snapshot whose points are the centres plus `scale` times the displacements."""
+    moved = e.x if e.displacement is None else e.x + scale * e.displacement
     note = f"sonopack: lengths in {e.units.names[0]}; the points are displaced by scale times displacement"
     arrays: list[_Array] = [("id", e.ids, "i8"), ("radius", e.r, "f8"), ("displacement", e.displacement, "f8"),
                             ("rotation", e.rotation, "f8")]
-    return _file(note, 'PointData Scalars="radius" Vectors="displacement"', arrays, e.x + scale * e.displacement, 1,
+    return _file(note, 'PointData Scalars="radius" Vectors="displacement"', arrays, moved, 1,
                  _arrays(("TimeValue", time, "f8"), ("scale", scale, "f8")))
 
 
@@ -171,4 +172,4 @@ def read_arrays(path: str) -> tuple[dict[str, Any], str]:
         raise bad_file(f"{path}: {root.get('type')}, must be PolyData as sonopack writes it; a series or a block of files "
                        "names others, which can be read")
     note = text[text.find(b"<!--") + 4:text.find(b"-->")].decode(errors="replace") if b"<!--" in text else ""
-    return {element.get("Name"): _read_array(path, element) for element in root.iter("DataArray")}, note
+    return {element.get("Name", ""): _read_array(path, element) for element in root.iter("DataArray")}, note

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .. import _core
+from .. import __version__
 from .._core import Floats, InvalidInput
 from .._packing import Packing
 from .._records import Material
@@ -113,7 +113,7 @@ def _read_vtp(path: str) -> _Whole:
         raise bad_file(f"{path}: has no grains and contacts of a packing; give NAME.vtp, not a part or a frame of a series")
     grains |= dict(zip("xyz", grains["Points"].reshape(-1, 3).T))
     parts = [vtk.read_arrays(beside(path, suffix))[0] for suffix in ("-contacts.vtp", "-walls.vtp")]
-    names = {"i": ("id1",) * 2, "j": ("id2", "wall"), "Fn": ("normal_force",) * 2}
+    names: dict[str, tuple[str, str]] = {"i": ("id1",) * 2, "j": ("id2", "wall"), "Fn": ("normal_force",) * 2}
     names |= {name: (name,) * 2 for name in ("overlap", "kn", "kt")}
     contacts = {name: np.concatenate([part[own] for part, own in zip(parts, both)]) for name, both in names.items()}
     for stem, name in (("n", "normal"), ("Ft", "tangential_force")):
@@ -121,8 +121,9 @@ def _read_vtp(path: str) -> _Whole:
         contacts |= {stem + axis: column for axis, column in zip("xyz", vector.T)}
     kinds = {"cell": CELLS, "wall": WALLS}
     codes = {"cell": grains.get("cell", [0]), "wall": grains.get("wall_kind", [])}
-    head = {"tilt": [0.0] * 3, "gravity": [0.0], **grains, "units": "SI" if "lengths in m" in note else "own"}
-    head |= {key: kinds[key][int(code[0])] if len(code) else None for key, code in codes.items()}
+    head: dict[str, Any] = {"tilt": [0.0] * 3, "gravity": [0.0], **grains, "units": "SI" if "lengths in m" in note else "own"}
+    for key, code in codes.items():
+        head[key] = kinds[key][int(code[0])] if len(code) else None
     return _Whole(grains, contacts, _plain_head(head))
 
 
@@ -150,7 +151,7 @@ def write_mat(e: Export) -> bytes:
             raise refused("a variable has more than 2 GB, the limit of a MAT-file")
     out = io.BytesIO()
     scipy.io.savemat(out, values, oned_as="column")
-    title = f"MATLAB 5.0 MAT-file, written by sonopack {_core.text_of(_core.lib.sp_version())}".encode()
+    title = f"MATLAB 5.0 MAT-file, written by sonopack {__version__}".encode()
     return title.ljust(116) + out.getvalue()[116:]  # without the date: the same bytes on every run
 
 

@@ -17,8 +17,7 @@ from .sheet import Mask, Sheet
 
 def sphere_mass(r: Floats) -> Floats:
     """Of unit density."""
-    mass: Floats = 4.0 / 3.0 * math.pi * r * r * r
-    return mass
+    return np.multiply(4.0 / 3.0 * math.pi * r * r, r)
 
 
 def running_sum(values: Floats) -> float:
