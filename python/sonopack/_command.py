@@ -129,6 +129,7 @@ class _Words(argparse.Action):
 
 def option(read: Callable[[str], Any]) -> Callable[[str], Any]:
     """The type of an option whose text a function of the library reads, so that its reason is told."""
+
     def convert(text: str) -> Any:
         try:
             return read(text)
@@ -139,6 +140,7 @@ def option(read: Callable[[str], Any]) -> Callable[[str], Any]:
 
 def whole(low: int, high: int) -> Callable[[str], int]:
     """The type of an option that takes an integer between two."""
+
     def read(text: str) -> int:
         if not re.fullmatch(r"[+-]?\d+", text) or not low <= int(text) <= high:
             raise argparse.ArgumentTypeError(f"{text:.60}: must be an integer {low} .. {high}")
@@ -148,6 +150,7 @@ def whole(low: int, high: int) -> Callable[[str], int]:
 
 def number(low: float, high: float) -> Callable[[str], float]:
     """The type of an option that takes a finite number between two."""
+
     def read(text: str) -> float:
         if not re.fullmatch(r"[0-9+\-.eE]+", text):
             raise argparse.ArgumentTypeError(f"{text:.60}: must be a number {low:g} .. {high:g}")

@@ -6,42 +6,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _core
-from ._core import Array, Floats, Path, Value, c_path, call, documented
+from . import _core, _fields
+from ._core import Floats, Path, c_path, call, documented
 from ._native import ffi, lib
-from ._records import ParticipationBin, Stability, ZeroModes
+from ._records import ParticipationBin, Stability
 
 if TYPE_CHECKING:
     from ._network import Network
 
 __all__ = ["DampedModes", "Modes", "Stability"]
 
-_NO_VECTORS = "frequencies only: ask for modes(vectors=True)"
 
-
-class Modes(_core.Result):
+class Modes(_fields.Modes):
     """Modes of a network, sorted by omega; rattlers' zero modes come first. Made by network.modes().
 
     `vectors` [modes that are no rattlers'][n][dof] are weighted with the masses: displacement times sqrt(mass).
     """
 
-    _type = "sp_modes"
-    n = Value[int]()
-    n_rattler = Value[int]()
-    n_zero = Value[int]()
-    zero = Value[ZeroModes]()
-    omega = Array("n")
-    error = Array("n")
-    a = Array("n", missing=_NO_VECTORS)
-    b = Array("n", missing=_NO_VECTORS)
-    participation = Array("n", missing=_NO_VECTORS)
-    residual = Value[float]()
-    orthogonality = Value[float]()
-    first = Value[int]()
-    solver = Value[str]()
-    certified_from = Value[float]()
-    certified_to = Value[float]()
-    on_edge = Value[int]()
+    _missing = "frequencies only: ask for modes(vectors=True)"
 
     def __init__(self, network: Network, span: Any, *, vectors: bool, source: str, solver: str, threads: int) -> None:
         options = _core.options_of(
@@ -59,7 +41,7 @@ class Modes(_core.Result):
     def vectors(self) -> Floats:
         """Eigenvectors [n - n_rattler][grains of the network][dof], weighted with the masses; a view."""
         if self._c.vectors == ffi.NULL:
-            raise AttributeError(f"vectors: {_NO_VECTORS}")
+            raise AttributeError(f"vectors: {self._missing}")
         return _core.view(self._c, self._c.vectors, (self.n - self.n_rattler, self.network.n, self.network.dof))
 
     def displacement(self, row: int) -> Floats:
@@ -101,17 +83,8 @@ class Modes(_core.Result):
         return f"<Modes: {self.n}, {self.n_zero} of them zero modes, omega {self.omega[0]:.6g} .. {self.omega[-1]:.6g}>"
 
 
-class DampedModes(_core.Result):
+class DampedModes(_fields.DampedModes):
     """Modes with dashpots at all contacts. Made by network.damped_modes()."""
-
-    _type = "sp_damped_modes"
-    n = Value[int]()
-    omega = Array("n")
-    decay = Array("n")
-    cosine = Array("n")
-    sine = Array("n")
-    error = Array("n")
-    residual = Value[float]()
 
     def __init__(self, network: Network, damping: float | str, source: str) -> None:
         law = _core.damping_law(damping)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _place, _records, _sensitivity
-from ._core import Array, Floats, Integers, Value, call, documented
+from . import _core, _fields, _place, _records, _sensitivity
+from ._core import Floats, Integers, call, documented
 from ._native import ffi, lib
 from ._modes import DampedModes, Modes, Stability
 from ._place import Where
@@ -62,25 +62,11 @@ class Elasticity(InSI):
     units = dict.fromkeys(("c", "error", "bulk", "bulk_error", "shear", "shear_error"), "E*")
 
 
-class Network(_core.Result):
+class Network(_fields.Network):
     """The springs between the grains that carry force, with fixed walls or in a periodic cell: M u'' = -K u.
 
     Made by packing.network(). Vectors over the network are [n][dof]. The arrays are views, as those of a Packing.
     """
-
-    _type = "sp_network"
-    dim = Value[int]()
-    dof = Value[int]()
-    n = Value[int]()
-    n_bulk = Value[int]()
-    grain = Array("n")
-    mass = Array("n", "dof")
-    x = Array("n", 3)
-    r = Array("n")
-    springs = Array("n_springs")
-    length = Array("n_springs")
-    pressure = Value[float]()
-    cell = Value[str]()
 
     def __init__(self, packing: Packing, *, threshold: float | None = None, prestress: bool = False,
                  sliding_free: bool = False, tangential: str | None = None) -> None:

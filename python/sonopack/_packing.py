@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _scene
-from ._core import Array, Floats, Path, Value, c_path, call, documented
+from . import _core, _fields, _scene
+from ._core import Floats, Path, c_path, call, documented
 from ._native import ffi, lib
 from ._network import Network
 from ._records import (AmplitudeFront, AmplitudeHarmonics, AmplitudePlane, AmplitudeSecond, Audit, Front, Material,
@@ -27,32 +27,14 @@ BACK = int(lib.SP_BACK)
 CONTACT = _core.dtype_of("sp_contact")
 
 
-class Packing(_core.Drawn, _core.Result):
+class Packing(_core.Drawn, _fields.Packing):
     """Grains at rest under pressure, and their contacts.
 
     Lengths are in mean grain diameters d, pressures in E*, forces in E* d^2, times in d / sqrt(E* / rho). The arrays are
     views of the library's memory: they are not copied, cannot be written to, and keep it alive.
     """
 
-    _type = "sp_packing"
     _figure = "network"
-    dim = Value[int]()
-    n = Value[int]()
-    x = Array("n", 3)
-    r = Array("n")
-    contacts = Array("n_contacts")
-    cell = Value[str]()
-    gravity = Value[float]()
-    pressure = Value[float]()
-    friction = Value[float]()
-    poisson = Value[float]()
-    wall = Value[str]()
-    material = Value[Material]()
-    seed = Value[int]()
-    steps = Value[int]()
-    residual = Value[float]()
-    seconds = Value[float]()
-    scene = Value[str]()
 
     #: of a packing that another program wrote: what was read (sonopack.formats.Report)
     report: Any = None

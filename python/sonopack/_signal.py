@@ -3,11 +3,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import numpy.typing as npt
 
-from . import _core, _place
-from ._core import Array, Floats, Value, call, documented
+from . import _core, _fields, _place
+from ._core import Floats, call, documented
 from ._native import ffi, lib
 from ._records import Front
 from ._si import Members
@@ -85,24 +84,10 @@ class Pulse:
         return float(lib.sp_pulse_strength(self._c, t))
 
 
-class Signal(_core.Drawn, _core.Result):
+class Signal(_core.Drawn, _fields.Signal):
     """The force on a detector after a pulse, at equally spaced times. Made by network.signal()."""
 
-    _type = "sp_signal"
     _figure = "signal"
-    n = Value[int]()
-    sources = Value[int]()
-    detectors = Value[int]()
-    t = Array("n")
-    f = Array("sources", "detectors", "n")
-    errors = Array("sources", "detectors")
-    error = Value[float]()
-    omega_max = Value[float]()
-    products = Value[int]()
-    step = Value[float]()
-    amplitude = Value[float]()
-    method = Value[str]()
-    modes = Value[int]()
 
     def __init__(self, network: Network, values: dict[str, Any]) -> None:
         self.network = network

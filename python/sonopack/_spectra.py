@@ -4,10 +4,10 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from . import _core
-from ._core import Array, Floats, Value, call, documented
+from . import _core, _fields
+from ._core import Floats, call, documented
 from ._native import ffi, lib
-from ._records import CoherentWave, Moduli, ZeroModes
+from ._records import CoherentWave
 
 #: dtypes of Dispersion.wave, Harmonic.fit and Continuum.row
 DISPERSION_POINT = _core.dtype_of("sp_dispersion_point")
@@ -15,25 +15,8 @@ WAVE_FIT = _core.dtype_of("sp_wave_fit")
 CONTINUUM_ROW = _core.dtype_of("sp_continuum_row")
 
 
-class DensityOfStates(_core.NetworkResult):
+class DensityOfStates(_core.NetworkResult, _fields.Dos):
     """Density of states. Made by network.dos(). Errors have the names of the numbers: density_error, ..."""
-
-    _type = "sp_dos"
-    bins = Value[int]()
-    method = Value[str]()
-    edge = Array(lambda d: int(d.bins) + 1)
-    density = Array("bins")
-    cumulative = Array("bins")
-    smooth = Array("bins")
-    density_error = Array("bins")
-    cumulative_error = Array("bins")
-    smooth_error = Array("bins")
-    resolution = Value[float]()
-    omega_max = Value[float]()
-    zero = Value[ZeroModes]()
-    modes = Value[int]()
-    moments = Value[int]()
-    vectors = Value[int]()
 
     @property
     def omega(self) -> Floats:
@@ -42,19 +25,8 @@ class DensityOfStates(_core.NetworkResult):
         return 0.5 * (edge[:-1] + edge[1:])
 
 
-class Transmission(_core.NetworkResult):
+class Transmission(_core.NetworkResult, _fields.Transmission):
     """Spectrum of the signal. Made by network.transmission()."""
-
-    _type = "sp_transmission"
-    n = Value[int]()
-    omega = Array("n")
-    density = Array("n")
-    re = Array("n")
-    im = Array("n")
-    error = Array("n")
-    resolution = Value[float]()
-    omega_max = Value[float]()
-    moments = Value[int]()
 
     @property
     def F(self) -> npt.NDArray[np.complex128]:
@@ -62,37 +34,19 @@ class Transmission(_core.NetworkResult):
         return self.re + 1j * self.im  # type: ignore[no-any-return]
 
 
-class Dispersion(_core.NetworkResult):
+class Dispersion(_core.NetworkResult, _fields.Dispersion):
     """Waves of a network. Made by network.dispersion(). wave: one row (DISPERSION_POINT) for each polarization and
     number; s [waves][profile]: S(k, omega)."""
 
-    _type = "sp_dispersion"
-    n = Value[int]()
-    wave = Array("n")
-    profile = Value[int]()
-    omega = Array("profile", missing="ask for dispersion(profile=400)")
-    s = Array("n", "profile", missing="ask for dispersion(profile=400)")
-    omega_max = Value[float]()
-    moments = Value[int]()
+    _missing = "ask for dispersion(profile=400)"
 
     def polarization(self, row: int) -> str:
         """longitudinal, transverse or rotational, for a row of `wave`."""
         return _core.words("sp_polarization")[int(self.wave["polarization"][row])]
 
 
-class Harmonic(_core.NetworkResult):
+class Harmonic(_core.NetworkResult, _fields.Harmonic):
     """Response to driving. Made by network.harmonic(). fit: one row (WAVE_FIT) for each frequency."""
-
-    _type = "sp_harmonic"
-    n = Value[int]()
-    planes = Value[int]()
-    omega = Array("n")
-    f = Array("n", 2)
-    error = Array("n")
-    height = Array("planes")
-    flux = Array("n", "planes", 2)
-    flux_error = Array("n", "planes")
-    fit = Array("n")
 
     @property
     def F(self) -> npt.NDArray[np.complex128]:
@@ -101,27 +55,12 @@ class Harmonic(_core.NetworkResult):
         return force
 
 
-class Continuum(_core.NetworkResult):
+class Continuum(_core.NetworkResult, _fields.Continuum):
     """The lowest modes and those of an elastic strip. Made by network.continuum(). row: CONTINUUM_ROW."""
 
-    _type = "sp_continuum"
-    n = Value[int]()
-    row = Array("n")
-    moduli = Value[Moduli]()
 
-
-class WaveSection(_core.NetworkResult):
+class WaveSection(_core.NetworkResult, _fields.CoherentSection):
     """Signals at planes one above the other. Made by network.section()."""
-
-    _type = "sp_coherent_section"
-    planes = Value[int]()
-    n = Value[int]()
-    spacing = Value[float]()
-    y = Array("planes")
-    arrival = Array("planes")
-    until = Array("planes")
-    f = Array("planes", "n")
-    highest = Value[float]()
 
     @documented("sp_coherent_fit")
     def wave(self, omega: float) -> CoherentWave:

@@ -159,29 +159,33 @@ def _check_periods(w: Work) -> None:
 
 def _find_box(w: Work) -> None:
     for a in range(w.dim):
-        low, high = (_find_wall(w, a, side) for side in (0, 1))
-        w.low[a], w.edge[a] = low, high - low
-        if not w.edge[a] > 0:
-            raise bad_option(f": this wall at {high / w.scale:g} lies below the opposite one at {low / w.scale:g}",
-                             SIDES[-1 - w.wall_on(a, 1)])
+        _set_walls(w, a, _find_wall(w, a, 0), _find_wall(w, a, 1))
     w.note("cell: a box with walls on all sides; --set sides=open leaves those beside out")
 
 
+def _set_walls(w: Work, a: int, low: float, high: float) -> None:
+    w.low[a], w.edge[a] = low, high - low
+    if not w.edge[a] > 0:
+        raise bad_option(f": this wall at {high / w.scale:g} lies below the opposite one at {low / w.scale:g}",
+                         SIDES[-1 - w.wall_on(a, 1)])
+
+
 def _find_wall(w: Work, a: int, side: int) -> float:
-    """The place of a wall: from the options, or a face of the box. Photoelastic disks have neither: the walls are then
-    where the outermost disks end, and their overlaps are not known."""
-    wall = w.wall_on(a, 2 * side - 1)
-    key, size = SIDES[-1 - wall], w.o.number(w.size_key(a))
-    given, has_box = w.o.number(key), w.grains.box[w.axis[a]]
+    """The place of a wall: from the options, or a face of the box. Under a piston, and of photoelastic disks, where there
+    may be neither, it is where the outermost grains end, and their overlaps are not known."""
+    wall, f, box = w.wall_on(a, 2 * side - 1), w.axis[a], w.cell == "box"
+    given, size = w.o.number(SIDES[-1 - wall]), w.o.number(w.size_key(a))
     w.has_wall[-1 - wall] = True
     if math.isfinite(given):
         return given * w.scale
-    if math.isfinite(size) and (side == 1 or not has_box):
-        return _find_wall(w, a, 0) + size * w.scale if side == 1 else 0.0
-    if has_box:
+    if side == 1 and math.isfinite(size):
+        return _find_wall(w, a, 0) + size * w.scale
+    if w.grains.box[f] and (box or w.grains.periodic[f] != 1):
         return _ends(w, a)[side]
-    if w.form != "photoelastic":
-        raise _no_box(w, a, key, "PLACE in the file's units")
+    if box and math.isfinite(size):
+        return 0.0
+    if box and w.form != "photoelastic":
+        raise _no_box(w, a, SIDES[-1 - wall], "PLACE in the file's units")
     w.has_wall[-1 - wall] = False
     return _extent(w, a)[side]
 
@@ -199,28 +203,11 @@ def _find_piston(w: Work) -> None:
         raise bad_option(f": {w.path} is periodic along {name} too, where a piston has walls: --set across=drop cuts it at "
                          "the face of the box and leaves out the contacts across, --set up=AXIS takes another axis, "
                          "--set cell=periodic keeps it", "across")
-    low, high = _piston_walls(w, turned)
-    w.low[up], w.edge[up] = low, high - low
-    w.periodic[up] = w.cut = turned
-    if not w.edge[up] > 0:
-        raise bad_option(f": the upper wall at {high / w.scale:g} lies below the lower at {low / w.scale:g}", "top")
-
-
-def _piston_walls(w: Work, turned: bool) -> tuple[float, float]:
-    """Places of the two walls: from the options, or faces of the box, else where the outermost grains end."""
-    f = w.axis[w.up]
-    place, ends = list(_extent(w, w.up)), _ends(w, w.up)
-    for side in (0, 1):
-        given = w.o.number(SIDES[side])
-        w.has_wall[side] = math.isfinite(given) or (w.grains.box[f] and w.grains.periodic[f] != 1)
-        if w.has_wall[side]:
-            place[side] = given * w.scale if math.isfinite(given) else ends[side]
     if turned:
-        return ends
-    if w.o.given("height"):
-        place[1] = place[0] + w.o.number("height") * w.scale
-        w.has_wall[1] = True
-    return place[0], place[1]
+        _set_walls(w, up, *_ends(w, up))
+    else:
+        _set_walls(w, up, _find_wall(w, up, 0), _find_wall(w, up, 1))
+    w.periodic[up] = w.cut = turned
 
 
 def _find_period(w: Work, a: int) -> None:

@@ -75,7 +75,8 @@ def _tangent(n: Floats, ft: Floats) -> Floats:
     up, down = np.nextafter(middle, np.inf), np.nextafter(middle, -np.inf)
     tried = np.stack([middle, up, down, np.nextafter(up, np.inf), np.nextafter(down, -np.inf)])
     fits = np.stack([(_product(n, one) == ft)[:, :2].all(axis=1) for one in tried])
-    return tried[fits.argmax(axis=0), np.arange(len(n))]  # the first that fits, else the middle
+    found: Floats = tried[fits.argmax(axis=0), np.arange(len(n))]  # the first that fits, else the middle
+    return found
 
 
 # ---- grains ---------------------------------------------------------------------------------------------------------

@@ -4,7 +4,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from ._faults import bad_file
 from .export import Export, number_text, rows_of
 from .sheet import Cursor, Frame, Sheet, numbers, shown, text_of
 

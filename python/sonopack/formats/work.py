@@ -27,14 +27,14 @@ def running_sum(values: Floats) -> float:
 
 def length(v: Floats) -> Floats:
     """Lengths of the rows."""
-    out: Floats = np.sqrt(v[:, 0] * v[:, 0] + v[:, 1] * v[:, 1] + v[:, 2] * v[:, 2])
+    out: Floats = np.sqrt(dot(v, v))
     return out
 
 
 def dot(a: Floats, b: Floats) -> Floats:
     """Products of the rows."""
-    out: Floats = a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
-    return out
+    x, y, z = (a * b).T
+    return np.add(x + y, z)
 
 
 def modulus(m: Material) -> float:

@@ -26,7 +26,8 @@ def documents():
     for kind in CLASSES:
         if issubclass(kind, sonopack.Status):
             continue
-        for name, member in vars(kind).items():
+        for name, member in {name: member for base in kind.__mro__[::-1] if base.__module__.startswith("sonopack")
+                             for name, member in vars(base).items()}.items():
             function = getattr(member, "__func__", member)
             if not name.startswith("_") and (callable(function) or isinstance(member, (property, _core._Field))):
                 yield f"{kind.__name__}.{name}", function.__doc__
