@@ -22,7 +22,6 @@ import cffi
 CALLBACKS = """
 extern "Python" {
     bool sonopack_pack_watch(const sp_pack_progress *progress, void *user);
-    sp_status sonopack_pack_stage(const sp_packing *packing, int32_t index, void *user, sp_error *err);
     bool sonopack_study_watch(const sp_study_progress *progress, void *user);
     bool sonopack_forecast_packed(void *user, const char *name);
     bool sonopack_tapped_watch(double share, void *user);

@@ -296,9 +296,7 @@ class Network(_fields.Network):
     def signal_sensitivity(self, t: npt.ArrayLike, springs: npt.ArrayLike | None = None, *, source: str | None = None,
                            at: Where | None = None, detector: Where | None = None) -> tuple[Floats, Floats, Floats]:
         """dF/dk_n and dF/dk_t [springs][times] of chosen springs at all times t, and bounds of their errors [springs][2]."""
-        wave = {"source": source, "at": at, "detector": detector, "pulse": None, "until": None, "points": None,
-                "threads": 1}
-        return _sensitivity.of_times(self, t, springs, wave)
+        return _sensitivity.of_times(self, t, springs, {"source": source, "at": at, "detector": detector})
 
     # ---- spectra ----------------------------------------------------------------------------------------------------
 
