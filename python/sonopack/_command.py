@@ -32,8 +32,7 @@ MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.c
            "pack-lammps": "formats.engine"}
 
 #: which Debian package brings a module
-DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",
-          "meshio": "python3-meshio"}
+DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py"}
 
 
 class Failed(SonopackError):

@@ -11,12 +11,15 @@ from typing import Any
 import numpy as np
 
 from .. import formats
-from .._command import Parser, cores, may_write, note, number, option, usage, whole
+from .._command import Failed, Parser, cores, may_write, note, number, option, usage, whole
+from .._core import Floats, c_path
+from .._native import lib
 from .._packing import Packing
 from .._records import Material
 from .._table import material_of
-from ..plot._motion import Motion
-from . import forms, motion, vtk
+from ..plot._inputs import Input
+from ..plot._motion import Motion, find_mode, find_snapshots
+from . import forms, vtk
 from .export import Export
 from .options import Options, read_keys
 from .work import modulus
@@ -64,13 +67,7 @@ def parser() -> Parser:
     add("--contact-table", "--contacts", dest="contacts", metavar="FILE.tsv",
         help="table of contacts: i j nx ny [nz] overlap Fn Ft. Its older name is --contacts, which with files of other "
              "programs names their list of contacts, or is overlap: all pairs that overlap")
-    _add_import(p.add_argument_group("Packings of other programs").add_argument)
-    _add_export(p.add_argument_group("Files for other programs").add_argument)
-    p.set_type("--material", option(_material_option))
-    return p
-
-
-def _add_import(add: Any) -> None:
+    add = p.add_argument_group("Packings of other programs").add_argument
     unit, stiff = number(1e-30, 1e30), number(1e-300, 1e300)
     add("--from", dest="form", choices=forms.FORMS, default="auto", help="form of IN (auto)")
     add("--walls", metavar="FILE|overlap|balance|none",
@@ -86,9 +83,7 @@ def _add_import(add: Any) -> None:
     add("--kt-ratio", metavar="X", type=number(0, 100), help="tangential over normal stiffness (Mindlin's)")
     add("--thickness", metavar="H", type=stiff, help="grains are disks of this thickness, in units of the material")
     add("--rest", action="store_true", default=None, help="bring the grains to rest under their pressure")
-
-
-def _add_export(add: Any) -> None:
+    add = p.add_argument_group("Files for other programs").add_argument
     add("--to", metavar="KIND", choices=tuple(_KINDS), help=f"form of OUT, in place of its ending: {', '.join(_KINDS)}")
     add("--vectors", metavar="FILE",
         help="displacements to write: a file of modes, or a table of displacements of this packing")
@@ -97,6 +92,8 @@ def _add_export(add: Any) -> None:
         help="displacements at these times after a pulse at the bottom wall; several need .pvd")
     add("--frames", metavar="N", type=whole(1, _MOST_FRAMES), help=".pvd of a mode: snapshots of one period (24)")
     add("--amplitude", metavar="D", type=number(0, 1e6), help=".pvd: largest displacement shown [d] (0.25)")
+    p.set_type("--material", option(_material_option))
+    return p
 
 
 def _times(text: str) -> list[float]:
@@ -290,6 +287,37 @@ def _take_material(job: _Job, packing: Packing) -> Packing:
     return packing
 
 
+# ---- displacements --------------------------------------------------------------------------------------------------
+
+def _find(packing: Packing, number: int | None, vectors: str | None) -> Motion:
+    """A mode of a packing, by its number among all: computed, or of a file of modes; or a table of displacements."""
+    if vectors is None:
+        return find_mode([Input(packing)], number, None)
+    given = [Input(packing), Input(vectors)]
+    if not lib.sp_modes_file_looks(c_path(vectors)) and given[1].raw_table.metadata.get("motion") == "snapshot":
+        return find_snapshots(given, None, None)[0]
+    return find_mode(given, number, None)
+
+
+def _after_pulse(packing: Packing, times: list[float], threads: int) -> list[Motion]:
+    """The motion at times after a pulse of unit strength at the bottom wall."""
+    if packing.cell == "periodic":
+        raise Failed("the cell is periodic and has no walls, between which the pulse of --times passes: `sonopack "
+                     "signal' sends pulses from plane to plane (--from plane:Y --detector plane:Z)")
+    network = packing.network()
+    return [Motion(network, u, False) for u in network.field(np.array(times), threads=threads)]
+
+
+def _of_grains(motion: Motion, factor: float = 1.0) -> tuple[Floats, Floats | None]:
+    """Displacements and rotations of all grains [n][3]; rattlers do not move."""
+    net, n = motion.network, motion.network.packing.n
+    u, turn = np.zeros((n, 3)), np.zeros((n, 3)) if net.dof > net.dim else None
+    u[net.grain, :net.dim] = factor * motion.u[:, :net.dim]
+    if turn is not None:
+        turn[net.grain, 2 if net.dim == 2 else 0:] = factor * motion.u[:, net.dim:]
+    return u, turn
+
+
 # ---- writing --------------------------------------------------------------------------------------------------------
 
 def _find_motion(job: _Job, packing: Packing) -> list[Motion]:
@@ -298,14 +326,14 @@ def _find_motion(job: _Job, packing: Packing) -> list[Motion]:
     if job.source is None or job.foreign:
         raise usage("displacements need a packing file as IN: convert to .h5 first")
     if a.times is not None:
-        return motion.after_pulse(packing, a.times, a.threads or cores())
-    return [motion.find(packing, a.mode, a.vectors)]
+        return _after_pulse(packing, a.times, a.threads or cores())
+    return [_find(packing, a.mode, a.vectors)]
 
 
 def _moved(a: argparse.Namespace, one: Motion, amount: float = 1.0) -> dict[str, Any]:
     """Displacements and rotations in the units of the file. A mode has |M^(1/2) u| = 1, so that its u is in 1/sqrt(rho
     d^3) and its rotations in 1/sqrt(rho d^5)."""
-    m, (u, turn) = one.network.packing.material, motion.of_grains(one, amount)
+    m, (u, turn) = one.network.packing.material, _of_grains(one, amount)
     scale = 1.0 if a.units != "si" else 1 / math.sqrt(m.density * math.pow(m.diameter, 3)) if one.is_mode else m.diameter
     by_angle = scale / m.diameter if a.units == "si" else 1.0
     return {"displacement": scale * u, "rotation": None if turn is None else by_angle * turn}

@@ -9,7 +9,7 @@ from .. import _core
 from .._core import Floats, Integers, InvalidInput, call
 from .._native import ffi, lib
 from .._packing import Packing
-from . import touch
+from .contacts import touching
 from ._faults import bad_file, bad_option, refused
 from .law import hertz_overlap, near, usual_stiffness, wall_stiffness
 from .options import NAN, SIDES
@@ -237,7 +237,7 @@ def _remark_missing(w: Work) -> None:
     """Pairs that overlap by the positions and are not in the list of contacts."""
     if w.contacts is None or not w.report.overlap_error < 0.01:
         return
-    pairs, listed = int((~w.goes_across(touch.grains(w))).sum()), int(((w.links.j >= 0) & (w.links.depth > 0)).sum())
+    pairs, listed = int((~w.goes_across(touching(w))).sum()), int(((w.links.j >= 0) & (w.links.depth > 0)).sum())
     if pairs - listed > pairs // 10:
         raise bad_file(f"{w.contacts.file}: lists {listed} of the {pairs} pairs that overlap; must list all: is it cut "
                        "short, or are the periods wrong?")

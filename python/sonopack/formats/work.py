@@ -27,14 +27,14 @@ def running_sum(values: Floats) -> float:
 
 def length(v: Floats) -> Floats:
     """Lengths of the rows."""
-    out: Floats = np.sqrt(dot(v, v))
-    return out
+    return np.sqrt(dot(v, v))
 
 
 def dot(a: Floats, b: Floats) -> Floats:
     """Products of the rows."""
     x, y, z = (a * b).T
-    return np.add(x + y, z)
+    out: Floats = x + y + z
+    return out
 
 
 def modulus(m: Material) -> float:
