@@ -10,7 +10,7 @@ import pytest
 from common import SOURCE, command, raised
 
 import sonopack
-from sonopack import _command, _core, _records
+from sonopack import _command, _core, _records, formats
 from sonopack._reference import COMMENTS
 
 DISKS = SOURCE / "packings/reference/packing_N200_p1e-4.txt"
@@ -23,6 +23,8 @@ CLASSES = [getattr(sonopack, name) for name in sonopack.__all__ if inspect.iscla
 def documents():
     """(name, docstring) of everything public."""
     yield from ((name, getattr(sonopack, name).__doc__) for name in sonopack.__all__ if callable(getattr(sonopack, name)))
+    yield from ((f"formats.{name}", member.__doc__) for name, member in vars(formats).items()
+                if not name.startswith("_") and getattr(member, "__module__", "").startswith(formats.__name__))
     for kind in CLASSES:
         if issubclass(kind, sonopack.Status):
             continue
