@@ -12,12 +12,12 @@ import numpy.typing as npt
 from . import _core, _fields, _place, _records, _sensitivity
 from ._core import Floats, Integers, call, documented
 from ._native import ffi, lib
-from ._modes import DampedModes, Modes, Stability
+from ._modes import (Continuum, DampedModes, DensityOfStates, Dispersion, Harmonic, Modes, Transmission,
+                     WaveSection)
 from ._place import Where
 from ._sensitivity import Gradient
 from ._si import InSI
 from ._signal import Pulse, Signal
-from ._spectra import Continuum, Dispersion, DensityOfStates, Harmonic, Transmission, WaveSection
 
 if TYPE_CHECKING:
     from ._packing import Packing
@@ -60,6 +60,10 @@ class Elasticity(InSI):
     residual: float
 
     units = dict.fromkeys(("c", "error", "bulk", "bulk_error", "shear", "shear_error"), "E*")
+
+    def __repr__(self) -> str:
+        return (f"<Elasticity: K = {self.bulk:.6g}, G = {self.shear:.6g}, anisotropy {self.anisotropy:.3g}, "
+                f"c {list(self.c.shape)}>")
 
 
 class Network(_fields.Network):
@@ -183,11 +187,11 @@ class Network(_fields.Network):
         return DampedModes(self, damping, source)
 
     @documented("sp_stability_make")
-    def stability(self) -> Stability:
+    def stability(self) -> _records.Stability:
         """Whether any motion grows."""
         out = ffi.new("sp_stability *")
         call(lib.sp_stability_make, self.packing._c, self._c, out)
-        return _core.record(Stability, out, self.packing.material)
+        return _core.record(_records.Stability, out, self.packing.material)
 
     # ---- waves ------------------------------------------------------------------------------------------------------
 

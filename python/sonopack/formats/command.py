@@ -104,7 +104,8 @@ def _times(text: str) -> list[float]:
     low = number(0, 1e9)(words[0])
     if len(words) == 1:
         return [low]
-    return [float(t) for t in np.linspace(low, number(low, 1e9)(words[1]), whole(1, _MOST_FRAMES)(words[2]))]
+    high, count = number(low, 1e9)(words[1]), whole(1, _MOST_FRAMES)(words[2])
+    return [low + (high - low) * k / max(count - 1, 1) for k in range(count)]
 
 
 def _material_option(text: str) -> Material:
