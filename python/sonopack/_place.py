@@ -84,7 +84,8 @@ def one(where: Where) -> Any:
 
 def options_of(c_name: str, values: Mapping[str, Any]) -> Any:
     """Options of the library, with those values that are not its own; at and detector are places."""
-    options = _core.options_of(c_name, {name: value for name, value in values.items() if name not in ("at", "detector")})
+    own = {name: value for name, value in values.items() if name not in ("at", "detector")}
+    options = _core.options_of(c_name, own)
     for name, field in (("at", "from"), ("detector", "to")):
         if values.get(name) is not None:
             setattr(options, field, one(values[name])[0])

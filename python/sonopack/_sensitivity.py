@@ -118,10 +118,11 @@ def of_times(network: Network, t: npt.ArrayLike, springs: npt.ArrayLike | None,
              wave: Mapping[str, Any]) -> tuple[Floats, Floats, Floats]:
     """network.signal_sensitivity()."""
     times = _core.floats(t, "t").ravel()
-    chosen = np.ascontiguousarray(np.arange(len(network.springs)) if springs is None else springs, dtype=np.int32).ravel()
+    every = np.arange(len(network.springs))
+    chosen = np.ascontiguousarray(every if springs is None else springs, dtype=np.int32).ravel()
     kn, kt, error = np.empty((len(chosen), len(times))), np.empty((len(chosen), len(times))), np.empty((len(chosen), 2))
     options, kept = _options(network, 1, wave)
-    call(lib.sp_sensitivity_times, network._c, options, len(chosen), _core.pointer_to(chosen, "const int32_t *"), len(times),
-         _core.pointer_to(times), _core.pointer_to(kn), _core.pointer_to(kt), _core.pointer_to(error))
+    call(lib.sp_sensitivity_times, network._c, options, len(chosen), _core.pointer_to(chosen, "const int32_t *"),
+         len(times), *map(_core.pointer_to, (times, kn, kt, error)))
     del kept
     return kn, kt, error

@@ -66,8 +66,8 @@ def load(path: str, options: Options) -> tuple[Packing, Report]:
         walled = int((packing.contacts["j"] < 0).sum())
         return packing, Report(form, packing.n, len(packing.contacts), walled, balance=_balance(packing))
     if form in ("auto", "ours"):
-        raise bad_file(f"{path}: {'a packing of this program' if form == 'ours' else 'its form is not recognised'}; --from "
-                       "must be lammps-data, lammps-dump, liggghts, yade, mercury, xyz, csv or photoelastic")
+        raise bad_file(f"{path}: {'a packing of this program' if form == 'ours' else 'its form is not recognised'}; "
+                       "--from must be lammps-data, lammps-dump, liggghts, yade, mercury, xyz, csv or photoelastic")
     _check_options(options, form)
     with np.errstate(invalid="ignore", divide="ignore"):
         w = _read_files(path, options, form)
@@ -94,8 +94,8 @@ def _check_options(o: Options, form: str) -> None:
     if o.material is None and o.thickness == o.thickness:
         raise bad_option("--thickness: needs the density of the disks, --material E=...,nu=...,rho=...")
     if form == "photoelastic" and o.material is None:
-        raise bad_option("photoelastic disks are no Hertzian spheres: give --material E=...,nu=...,rho=... (their modulus "
-                         "and density)")
+        raise bad_option("photoelastic disks are no Hertzian spheres: give --material E=...,nu=...,rho=... (their "
+                         "modulus and density)")
     if form == "photoelastic" and o.kn != o.kn:
         raise bad_option("photoelastic disks are no Hertzian spheres: give --kn, the stiffness of a contact")
     if form == "photoelastic" and o.contacts is None:

@@ -58,8 +58,8 @@ these with .gz behind them. All but .pvd can be read again."""
 def parser() -> Parser:
     """The options of the command."""
     p = Parser("convert", usage=_USAGE, epilog=_HELP,
-               description="Converts packings between HDF5 (.h5), a text file (.txt), two tables, and the files of other "
-                           "programs.")
+               description="Converts packings between HDF5 (.h5), a text file (.txt), two tables, and the files of "
+                           "other programs.")
     p.add_argument("files", nargs="*", metavar="IN OUT", help=argparse.SUPPRESS)
     add = p.add_argument
     add("--grain-table", "--grains", dest="grains", metavar="FILE.tsv",
@@ -151,8 +151,8 @@ def _job(a: argparse.Namespace) -> _Job:
     if not job.foreign:
         for name in _IMPORT:
             if getattr(a, name) is not None:
-                raise usage(f"--{name.replace('_', '-')}: applies to files of other programs; {job.source or 'IN'} is not "
-                            "recognised as one (--from FORM says its form)")
+                raise usage(f"--{name.replace('_', '-')}: applies to files of other programs; {job.source or 'IN'} is "
+                            "not recognised as one (--from FORM says its form)")
         return _own_files(job)
     job.target = a.output or job.target
     if not job.source or not job.target:
@@ -241,8 +241,8 @@ def _check_output(job: _Job) -> None:
         for k, name in enumerate(_outputs(job)):
             may_write(a, name, None, job.ending if k == 0 and a.to else None)
     if a.units == "si" and (job.ending in ("", ".h5", ".txt") or job.writes_tables):
-        raise usage("--units si: packings are stored in d, E* and rho, in .h5, .txt and tables; files for other programs "
-                    "may be in SI")
+        raise usage("--units si: packings are stored in d, E* and rho, in .h5, .txt and tables; files for other "
+                    "programs may be in SI")
     for table in (job.grains, job.contacts) if job.writes_tables else ():
         may_write(a, str(table), None)
 
@@ -335,8 +335,10 @@ def _moved(a: argparse.Namespace, one: Motion, amount: float = 1.0) -> dict[str,
     """Displacements and rotations in the units of the file. A mode has |M^(1/2) u| = 1, so that its u is in 1/sqrt(rho
     d^3) and its rotations in 1/sqrt(rho d^5)."""
     m, (u, turn) = one.network.packing.material, _of_grains(one, amount)
-    scale = 1.0 if a.units != "si" else 1 / math.sqrt(m.density * math.pow(m.diameter, 3)) if one.is_mode else m.diameter
-    by_angle = scale / m.diameter if a.units == "si" else 1.0
+    scale = by_angle = 1.0
+    if a.units == "si":
+        scale = 1 / math.sqrt(m.density * math.pow(m.diameter, 3)) if one.is_mode else m.diameter
+        by_angle = scale / m.diameter
     return {"displacement": scale * u, "rotation": None if turn is None else by_angle * turn}
 
 

@@ -185,8 +185,8 @@ def _read_vectors(w: Work, listed: _List, links: Links, turn: Floats) -> float:
     elif w.dim == 2:  # along t, which turns with n
         t = np.stack([-turn * links.n[:, 1], turn * links.n[:, 0], 0 * turn], axis=1)
     else:
-        raise bad_file(f"{sheet.file}: column {sheet.names[ft[0]]} alone; in three dimensions tangential forces must be "
-                       "vectors, ft_x ft_y ft_z")
+        raise bad_file(f"{sheet.file}: column {sheet.names[ft[0]]} alone; in three dimensions tangential forces must "
+                       "be vectors, ft_x ft_y ft_z")
     links.ft = (turn * (sheet.finite(ft[0], links.row) * ft[1]))[:, None] * t * w.force
     return sense
 

@@ -38,8 +38,8 @@ def check(given: Any) -> None:
             (s.gravity != 0, "gravity", f" = {s.gravity:g}: must be 0"),
             (s.protocol == lib.SP_PROTOCOL_AFFINE, "protocol", ' = "affine": must be another'),
             (s.compression != lib.SP_COMPRESSION_PISTON, "compression", ': must be "piston"'),
-            (s.history_count > 0, "history", f" = ({s.history_count} pressures): must be empty, and the packing that is "
-                                             'made given to packing.kind = "file",'),
+            (s.history_count > 0, "history", f" = ({s.history_count} pressures): must be empty, and the packing that "
+                                             'is made given to packing.kind = "file",'),
             (getattr(s, "reference", False), "reference", " = true: must be false"),
             (s.viscous_limit != 1 and s.viscous_limit < 1000, "viscous_limit",
              f" = {s.viscous_limit:g}: must be 1, or at least 1000 (no limit),")):
@@ -145,9 +145,9 @@ def _viscosity(s: Any, factor: float, alpha: float) -> str:
 
 
 def _script(s: Any, height: float) -> str:
-    """The input script. Largest accelerations over the pressure: calm, at which a global damping of the rate drag begins,
-    and rest, at which the run ends. Coulomb's law may leave the viscous tangential forces alone (twice), which then have
-    contacts of their own."""
+    """The input script. Largest accelerations over the pressure: calm, at which a global damping of the rate drag
+    begins, and rest, at which the run ends. Coulomb's law may leave the viscous tangential forces alone (twice), which
+    then have contacts of their own."""
     flat, turns, twice, p = s.dim == 2, s.friction > 0, s.friction > 0 and s.viscous_limit > 1, pressure_of(s)
     up, column = ("y", 3) if flat else ("z", 4)
     along = "0 {} 0" if flat else "0 0 {}"

@@ -59,7 +59,8 @@ def _check(a: argparse.Namespace) -> None:
              f"{apart}: does not run LAMMPS, so that --lammps and --ranks are not for it"),
             (a.prepare and a.output, "--prepare: makes no packing, -o is not for it but for --collect"),
             (a.collect and (a.scene or a.set or a.seed is not None),
-             f"--collect: takes the scene and the seed of --prepare from {a.collect}/{deck.SCENE}: no others may be given"),
+             f"--collect: takes the scene and the seed of --prepare from {a.collect}/{deck.SCENE}: no others may be "
+             "given"),
             (a.dry_run, "--dry-run: what LAMMPS will take is not known, --engine must be sonopack"),
             (not a.output and not a.prepare, "no output: must be -o FILE.h5 or -o FILE.txt"),
             (len(a.scene) > 1, f"{len(a.scene)} files; must be one scene")):
@@ -266,8 +267,8 @@ def _fail(program: str, folder: pathlib.Path, status: int) -> None:
     how = killed or f"ended with status {status}"
     text = f"{program} {how} after {max(log.steps, 0)} steps: {log.fault or f'it gives no reason, see {deck.WORDS}'}"
     if any(sign in log.fault for sign in ("granular", "Unknown", "Unrecognized", "Illegal", "Invalid")):
-        text += (f"; this is LAMMPS {log.version or 'of an unknown version'}, and what is needed is pair_style granular of "
-                 "LAMMPS of 29 Sep 2021 or later, with its package GRANULAR")
+        text += (f"; this is LAMMPS {log.version or 'of an unknown version'}, and what is needed is pair_style "
+                 "granular of LAMMPS of 29 Sep 2021 or later, with its package GRANULAR")
     raise Failed(text)
 
 
@@ -301,11 +302,12 @@ def _read_result(folder: pathlib.Path, pressure: float) -> tuple[int, float]:
     found = re.match(rf"steps (\d{{1,18}}) acceleration {number} top {number}\n",
                      path.read_bytes().decode(errors="replace"))
     if not found or not all(math.isfinite(float(word)) for word in found.groups()) or int(found.group(1)) == 0:
-        raise bad_file(f"{path}: must be a line of steps, acceleration and top, all finite: is it cut, is the disk full?")
+        raise bad_file(f"{path}: must be a line of steps, acceleration and top, all finite: is it cut, is the disk "
+                       "full?")
     steps, acceleration, top = int(found.group(1)), float(found.group(2)), float(found.group(3))
     if acceleration > _MOVING * pressure:
-        raise Failed(f"LAMMPS: not at rest after {steps} steps: the largest acceleration is {acceleration:.3g}, must be "
-                     f"below {_MOVING * pressure:.3g} (packing.max_steps allows more steps)")
+        raise Failed(f"LAMMPS: not at rest after {steps} steps: the largest acceleration is {acceleration:.3g}, must "
+                     f"be below {_MOVING * pressure:.3g} (packing.max_steps allows more steps)")
     return steps, top
 
 
@@ -339,8 +341,8 @@ def _check_grains(raw: Packing, s: Any, top: float) -> None:
     other = np.flatnonzero(~(np.abs(r - raw.r) <= 1e-14 * r))
     if len(other):
         k = int(other[0])
-        raise bad_file(f"{deck.GRAINS}: grain {k} has the diameter {2 * raw.r[k]:.17g}, must have {2 * r[k]:.17g}: is this "
-                       "of another scene or seed?")
+        raise bad_file(f"{deck.GRAINS}: grain {k} has the diameter {2 * raw.r[k]:.17g}, must have {2 * r[k]:.17g}: is "
+                       "this of another scene or seed?")
     highest = float((raw.x[:, s.dim - 1] + raw.r).max())
     if not abs(highest - top) <= 0.1:
         raise bad_file(f"{deck.RESULT}: top {top:g}, but the grains reach up to {highest:g}")

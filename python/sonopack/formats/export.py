@@ -97,7 +97,8 @@ class Export:
         self.overlap, self.fn, self.ft = c["overlap"] * u.length, c["fn"] * u.force, c["ft"] * u.force
         self.force = self.ft - self.fn[:, None] * self.n + 0.0
         own = c["kn"] > 0
-        kn = np.where(own, c["kn"], 2.0 * stiffness_of(p.r, self.i, self.j, p.wall) * np.sqrt(np.fmax(c["overlap"], 0.0)))
+        hertz = 2.0 * stiffness_of(p.r, self.i, self.j, p.wall) * np.sqrt(np.fmax(c["overlap"], 0.0))
+        kn = np.where(own, c["kn"], hertz)
         usual = eta(p.poisson) * kn if p.friction > 0 and p.dim > 1 else 0 * kn
         self.kn, self.kt = kn * u.stiffness, np.where(own, c["kt"], usual) * u.stiffness
         self.springs = bool(own.any())
@@ -155,4 +156,5 @@ def contact_columns(e: Export) -> Columns:
     length, _, force, _, stiffness = e.units.names
     dim = e.packing.dim
     return {"i": (e.i, ""), "j": (e.j, ""), **_axes("n", e.n, dim), "overlap": (e.overlap, length), "Fn": (e.fn, force),
-            **_axes("Ft", e.ft, dim, force), "kn": (e.kn, stiffness), "kt": (e.kt, stiffness), "carrying": (e.carrying, "")}
+            **_axes("Ft", e.ft, dim, force), "kn": (e.kn, stiffness), "kt": (e.kt, stiffness),
+            "carrying": (e.carrying, "")}

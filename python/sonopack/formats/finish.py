@@ -94,7 +94,8 @@ def _wrap(w: Work) -> Floats:
             inside = (s >= -1e-12) & (s <= 1 + 1e-12)  # what the packing's check allows
         away = np.flatnonzero(~inside)
         x[away] -= np.floor(s[away])[:, None] * lattice[a]
-        x[away] -= (w.fractions(x[away])[:, a] >= 1)[:, None] * lattice[a]  # a tiny negative number rounds to the far end
+        # a tiny negative coordinate rounds to the far end
+        x[away] -= (w.fractions(x[away])[:, a] >= 1)[:, None] * lattice[a]
     x = x + 0.0
     return x
 
@@ -120,8 +121,8 @@ def _fail_outside(w: Work, outside: Integers) -> None:
     w.grains.refuse(
         outside >= 0, w.roles.need(w.grains, w.name_of(axis))[0],
         f"between the walls, which are taken to be at {low:.8g} and {high:.8g}. Outside of them are "
-        f"{int((outside == axis).sum())} of {w.n} grains, and {touching[0]} touch the {names[0]} wall, {touching[1]} the "
-        f"{names[1]}: {pressed}give --set {names[0]}= and {names[1]}=, or --types", w.row)
+        f"{int((outside == axis).sum())} of {w.n} grains, and {touching[0]} touch the {names[0]} wall, {touching[1]} "
+        f"the {names[1]}: {pressed}give --set {names[0]}= and {names[1]}=, or --types", w.row)
 
 
 def _masses(w: Work) -> tuple[Floats | None, Floats | None]:
@@ -184,11 +185,11 @@ def _piston_pressure(w: Work, links: Links, mass: Floats | None) -> float:
     walls = 0.5 * (low + high) if len(known) == 2 else known[0] if known else NAN
     pressure = _checked(w, given if math.isfinite(given) else walls if known else _stress(w, links))
     if not math.isfinite(given) and not known:
-        w.note(f"no contact with a wall: the pressure {w.pressure_text(pressure)} is the stress along {w.name_of(up)} from "
-               "the contacts")
+        w.note(f"no contact with a wall: the pressure {w.pressure_text(pressure)} is the stress along {w.name_of(up)} "
+               "from the contacts")
     if abs(low / high - 1) > 1e-3:
-        w.note(f"the pressures on the walls differ: {w.pressure_text(low)} below, {w.pressure_text(high)} above (weight, "
-               "motion, or contacts missing)")
+        w.note(f"the pressures on the walls differ: {w.pressure_text(low)} below, {w.pressure_text(high)} above "
+               "(weight, motion, or contacts missing)")
     if math.isfinite(given) and abs(walls / given - 1) > 1e-2:
         w.note(f"the pressure on the walls is {w.pressure_text(walls)}, not the given {w.pressure_text(given)}")
     return pressure
@@ -216,7 +217,8 @@ def _check_balance(w: Work, p: Packing) -> None:
     now, turned = length(normal + tangential)[counted], length(normal - tangential)[counted]
     most, other, turning = (float(sizes.max(initial=0)) for sizes in (now, turned, length(torque)[counted]))
     if p.rattlers().all():
-        w.note(f"all grains are rattlers: no balance of forces can be told{'' if w.friction > 0 else ' (friction = 0)'}")
+        why = "" if w.friction > 0 else " (friction = 0)"
+        w.note(f"all grains are rattlers: no balance of forces can be told{why}")
     else:
         w.report.balance = most / mean if mean > 0 else NAN
         if most > mean and not w.has_ft and w.friction > 0:
@@ -224,11 +226,11 @@ def _check_balance(w: Work, p: Packing) -> None:
         elif most > mean:
             w.note("forces do not balance: is the file cut short, or are periods, units or signs wrong?")
     if (turned * turned).sum() < 0.25 * (now * now).sum():
-        w.note(f"with the other sign of the tangential forces the grains balance better ({other / mean:.2g} of the mean "
-               "force): --columns ft_x=-COLUMN,... (or ft=-COLUMN) turns them")
+        w.note(f"with the other sign of the tangential forces the grains balance better ({other / mean:.2g} of the "
+               "mean force): --columns ft_x=-COLUMN,... (or ft=-COLUMN) turns them")
     elif most < 1e-3 * turning:
-        w.note(f"torques over R balance within {turning / mean:.2g} of the mean force only: tangential forces act at the "
-               "distance R here, at R - overlap/2 in LAMMPS and LIGGGHTS")
+        w.note(f"torques over R balance within {turning / mean:.2g} of the mean force only: tangential forces act at "
+               "the distance R here, at R - overlap/2 in LAMMPS and LIGGGHTS")
 
 
 # ---- remarks --------------------------------------------------------------------------------------------------------
@@ -252,8 +254,8 @@ def _remark_friction(w: Work, pressure: float) -> None:
         return
     excess = float((length(links.ft[pressed]) / (w.friction * links.fn[pressed])).max())
     if excess > 1 + 1e-6:
-        w.note(f"a tangential force is {excess:.4g} times friction times the normal force: is friction = {w.friction:g} "
-               "right?")
+        w.note(f"a tangential force is {excess:.4g} times friction times the normal force: is friction = "
+               f"{w.friction:g} right?")
 
 
 def _remark_walls(w: Work) -> None:
@@ -268,8 +270,8 @@ def _remark_walls(w: Work) -> None:
 def rest(w: Work, p: Packing) -> Packing:
     """Brings the packing to rest under its pressure, between rigid walls."""
     if p.cell != "piston" or p.gravity != 0:
-        raise refused(f"{w.path}, --rest: grains come to rest under a piston without gravity only; read this cell without "
-                      "--rest, and pack it with packing.kind = \"file\"")
+        raise refused(f"{w.path}, --rest: grains come to rest under a piston without gravity only; read this cell "
+                      "without --rest, and pack it with packing.kind = \"file\"")
     if p.wall != "rigid":
         w.note("the walls become rigid, since grains come to rest between such walls only")
     table = np.array(p.contacts)

@@ -83,8 +83,8 @@ def _choose_axes(w: Work) -> None:
     out = -1 if w.dim == 3 else flat[0] if len(flat) == 1 else 2  # the axis that a layer does not have
     up = "xyz".index(w.o.keys.get("up", "z" if w.dim == 3 or out != 2 else "y"))
     if w.dim == 2 and not flat:
-        raise bad_option(f"{w.path}: dimension = 2, but the grains do not lie in one plane; must be 3, or a file of one "
-                         f"layer")
+        raise bad_option(f"{w.path}: dimension = 2, but the grains do not lie in one plane; must be 3, or a file of "
+                         f"one layer")
     if up == out:
         raise bad_option(f"up = {'xyz'[up]}: the grains lie in a plane normal to it; must be one of the others")
     w.axis = [a for a in range(3) if a not in (up, out)] + [up]
@@ -165,8 +165,8 @@ def _check_diameter(w: Work, mean: float, d: float) -> None:
         raise bad_option(f"{w.path}: the mean diameter is {mean:.4g}; must be 0.2 .. 5, since lengths are in mean "
                          "diameters, or the file's units must be given: --material E=...,nu=...,rho=... for metres, "
                          "pascals and kg/m^3")
-    raise bad_option(f"{w.path}: the mean diameter is {mean:.4g} times the material's d = {d:g}; must be 0.2 .. 5: give "
-                     "no d for the file's mean, or correct --length-unit")
+    raise bad_option(f"{w.path}: the mean diameter is {mean:.4g} times the material's d = {d:g}; must be 0.2 .. 5: "
+                     "give no d for the file's mean, or correct --length-unit")
 
 
 # ---- the cell -------------------------------------------------------------------------------------------------------
@@ -288,8 +288,8 @@ def _find_tilt(w: Work, a: int, b: int) -> float:
     fa, fb = w.axis[a], w.axis[b]
     value = w.o.keys.get(_TILTS[fa + fb - 1], w.grains.tilt[fa + fb - 1])
     if value != 0 and (fa > fb or w.roles.axis_sign(fa) < 0 or w.roles.axis_sign(fb) < 0):
-        raise bad_option(f"{w.path}: a tilted box whose axes are turned (up, or a minus in --columns): must be x, y, z in "
-                         "this order")
+        raise bad_option(f"{w.path}: a tilted box whose axes are turned (up, or a minus in --columns): must be x, y, z "
+                         "in this order")
     return float(value * w.scale)
 
 
@@ -309,9 +309,9 @@ def _check_periods(w: Work) -> None:
     largest = float((2 * w.r).max())
     for a in range(w.dim):
         if w.periodic[a] and not w.open[a] and w.edge[a] <= 2 * largest:
-            raise bad_option(f": the period along {w.name_of(a)} is {w.edge[a] / w.scale:.6g}; must be more than two of "
-                             f"the largest grains, {2 * largest / w.scale:.6g}: in a smaller cell two grains could touch "
-                             "twice", w.size_key(a))
+            raise bad_option(f": the period along {w.name_of(a)} is {w.edge[a] / w.scale:.6g}; must be more than two "
+                             f"of the largest grains, {2 * largest / w.scale:.6g}: in a smaller cell two grains could "
+                             "touch twice", w.size_key(a))
 
 
 # ---- walls on all sides ---------------------------------------------------------------------------------------------
@@ -330,8 +330,8 @@ def _set_walls(w: Work, a: int, low: float, high: float) -> None:
 
 
 def _find_wall(w: Work, a: int, side: int) -> float:
-    """The place of a wall: from the options, or a face of the box. Under a piston, and of photoelastic disks, where there
-    may be neither, it is where the outermost grains end, and their overlaps are not known."""
+    """The place of a wall: from the options, or a face of the box. Under a piston, and of photoelastic disks, where
+    there may be neither, it is where the outermost grains end, and their overlaps are not known."""
     wall, f, box = w.wall_on(a, 2 * side - 1), w.axis[a], w.cell == "box"
     given, size = w.o.number(SIDES[-1 - wall]), w.o.number(w.size_key(a))
     w.has_wall[-1 - wall] = True
@@ -359,9 +359,9 @@ def _find_piston(w: Work) -> None:
         _find_period(w, a)
         _check_edge(w, a)
     if turned and not w.o.given("across"):
-        raise bad_option(f": {w.path} is periodic along {name} too, where a piston has walls: --set across=drop cuts it at "
-                         "the face of the box and leaves out the contacts across, --set up=AXIS takes another axis, "
-                         "--set cell=periodic keeps it", "across")
+        raise bad_option(f": {w.path} is periodic along {name} too, where a piston has walls: --set across=drop cuts "
+                         "it at the face of the box and leaves out the contacts across, --set up=AXIS takes another "
+                         "axis, --set cell=periodic keeps it", "across")
     if turned:
         _set_walls(w, up, *_ends(w, up))
     else:

@@ -169,7 +169,8 @@ def write_dump(e: Export) -> bytes:
     tilted = any(e.packing.tilt)
     out = (*_around(e.tilt), (0.0, 0.0))
     flags = " ".join("pp" if periodic else "ff" for _, _, periodic in _bounds(e))
-    head = (f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{e.packing.n}\nITEM: BOX BOUNDS{' xy xz yz' * tilted} {flags}\n")
+    head = (f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{e.packing.n}\n"
+            f"ITEM: BOX BOUNDS{' xy xz yz' * tilted} {flags}\n")
     for (low, high, _), (below, above), tilt in zip(_bounds(e), out, e.tilt):
         head += " ".join(map(number_text, (low + below, high + above, tilt)[:2 + tilted])) + "\n"
     names, vectors = e.vectors("u", "r")

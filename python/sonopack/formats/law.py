@@ -122,8 +122,8 @@ def _complete_springs(w: Work) -> None:
     links.kn = np.where(np.isnan(links.kn), o.kn * w.stiffness, links.kn)
     bad = np.flatnonzero(~(links.kn > 0))
     if len(bad):
-        raise bad_file(f"{w.path}: a contact of grain {w.id[links.i[bad[0]]]} has the stiffness {links.kn[bad[0]]:g}; must "
-                       "be positive: --kn, or a column kn")
+        raise bad_file(f"{w.path}: a contact of grain {w.id[links.i[bad[0]]]} has the stiffness {links.kn[bad[0]]:g}; "
+                       "must be positive: --kn, or a column kn")
     ratio = eta(w.poisson) if math.isnan(o.kt_ratio) else o.kt_ratio
     links.kt = np.where(np.isnan(links.kt), links.kn * ratio, links.kt)
     forceless, known = np.isnan(links.fn), np.fmax(known_overlap(links), 0)
@@ -169,10 +169,10 @@ def _check_grains(w: Work) -> None:
     if c.count == 0 or c.fits():
         return
     if c.spread <= 1e-3:
-        raise refused(f"{w.path}: all normal forces are {c.median:.6g} times Hertz's at the overlaps; must be 1: E or the "
-                      "unit of forces is wrong by this factor (--material E=..., --force-unit)")
-    raise refused(f"{w.path}: normal forces are {c.low:.4g} .. {c.high:.4g} times Hertz's at the overlaps; must be 1: are "
-                  "E, radii and units right? For another contact law give stiffnesses, --kn or columns kn kt")
+        raise refused(f"{w.path}: all normal forces are {c.median:.6g} times Hertz's at the overlaps; must be 1: E or "
+                      "the unit of forces is wrong by this factor (--material E=..., --force-unit)")
+    raise refused(f"{w.path}: normal forces are {c.low:.4g} .. {c.high:.4g} times Hertz's at the overlaps; must be 1: "
+                  "are E, radii and units right? For another contact law give stiffnesses, --kn or columns kn kt")
 
 
 def _fail_digits(w: Work, mean: float) -> None:
@@ -180,8 +180,8 @@ def _fail_digits(w: Work, mean: float) -> None:
     largest = float(np.abs(w.x[:, :w.dim]).max())
     digits = min(17, math.ceil(math.log10(largest / (1e-3 * mean))) + 1)
     own = w.grains.digits([w.roles.need(w.grains, "x")[0]])
-    raise refused(f"{w.path}: positions have {own} digits, which makes overlaps of {mean:.3g} d wrong by {w.place:.3g} d; "
-                  f"{digits} digits are needed (LAMMPS: dump_modify ID format float %.17g), or contacts with their "
+    raise refused(f"{w.path}: positions have {own} digits, which makes overlaps of {mean:.3g} d wrong by {w.place:.3g} "
+                  f"d; {digits} digits are needed (LAMMPS: dump_modify ID format float %.17g), or contacts with their "
                   "forces; --set digits=exact if the numbers are exact")
 
 
@@ -202,9 +202,9 @@ def _choose_wall(w: Work) -> None:
             return
     c = _compare(w, True, "elastic")
     if c.count > 0 and c.spread > 0.02:
-        raise refused(f"{w.path}: normal forces of walls are {c.low:.4g} .. {c.high:.4g} times Hertz's at the overlaps; "
-                      "must be one number: --set bottom=PLACE and top=PLACE correct the overlaps, --set wall=KIND takes "
-                      "them from the forces")
+        raise refused(f"{w.path}: normal forces of walls are {c.low:.4g} .. {c.high:.4g} times Hertz's at the "
+                      "overlaps; must be one number: --set bottom=PLACE and top=PLACE correct the overlaps, --set "
+                      "wall=KIND takes them from the forces")
     if c.count > 0:
         _keep_stiffness(w, c.median)
     elif w.cell != "periodic":

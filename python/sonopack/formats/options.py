@@ -141,8 +141,8 @@ class Roles:
         """The column of a role, which must be there."""
         found = self.find(sheet, role)
         if found is None:
-            raise bad_file(f"{sheet.file}: no column for {role}; its columns are: {sheet.listed()}-- name it by --columns "
-                           f"{role}=COLUMN")
+            raise bad_file(f"{sheet.file}: no column for {role}; its columns are: {sheet.listed()}-- name it by "
+                           f"--columns {role}=COLUMN")
         return found
 
     def axis_sign(self, axis: int) -> float:

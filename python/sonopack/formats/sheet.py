@@ -73,11 +73,6 @@ class Cursor:
     def __init__(self, file: str, text: bytes, at: int = 0, line: int = 0) -> None:
         self.file, self.text, self.at, self.line = file, text, at, line
 
-    @property
-    def cut(self) -> bool:
-        """Whether the last line that was read has no end."""
-        return self.at > len(self.text)
-
     def next(self) -> str | None:
         """The next line, or None at the end."""
         if self.at >= len(self.text):
@@ -175,10 +170,11 @@ class Sheet:
             return self
         if self.rows < count:
             lines = at.text.count(b"\n") + (not at.text.endswith(b"\n"))
-            raise bad_file(f"{self.file}:{lines}: the file ends after {self.rows} of {count} rows; must have all of them")
+            raise bad_file(f"{self.file}:{lines}: the file ends after {self.rows} of {count} rows; must have all of "
+                           "them")
         if not at.text.endswith(b"\n") and at.text.count(b"\n", at.at) == count - 1:
-            raise bad_file(f"{self.file}:{self.line(count - 1)}: the file ends inside of this line; must end with a line "
-                           "end")
+            raise bad_file(f"{self.file}:{self.line(count - 1)}: the file ends inside of this line; must end with a "
+                           "line end")
         return self
 
     def _parse(self, count: int | None) -> Floats | None:

@@ -43,7 +43,8 @@ def _file(note: str, data: str, arrays: list[_Array], points: Floats, each: int,
     """A file of one piece whose elements, vertices or lines, have so many points each."""
     count, element = len(points) // each, "Verts" if each == 1 else "Lines"
     verts, lines = (count, 0) if each == 1 else (0, count)
-    connected = _arrays(("connectivity", np.arange(count * each), "i8"), ("offsets", each * np.arange(1, count + 1), "i8"))
+    connected = _arrays(("connectivity", np.arange(count * each), "i8"),
+                        ("offsets", each * np.arange(1, count + 1), "i8"))
     return ('<?xml version="1.0"?>\n<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" '
             f'header_type="UInt64">\n<!-- {note} -->\n<PolyData>\n<Piece NumberOfPoints="{len(points)}" '
             f'NumberOfVerts="{verts}" NumberOfLines="{lines}" NumberOfStrips="0" NumberOfPolys="0">\n'
@@ -66,8 +67,8 @@ def _whole(e: Export) -> str:
 
 def _note(e: Export) -> str:
     length, mass, force, stress, stiffness = e.units.names
-    return (f"sonopack: lengths in {length}, forces in {force}, stiffnesses in {stiffness}, stresses in {stress}, masses in "
-            f"{mass}; the normal of a contact points from its grain id1, on which the force acts")
+    return (f"sonopack: lengths in {length}, forces in {force}, stiffnesses in {stiffness}, stresses in {stress}, "
+            f"masses in {mass}; the normal of a contact points from its grain id1, on which the force acts")
 
 
 def _grains(e: Export) -> bytes:
@@ -84,19 +85,20 @@ def _lines(e: Export, walls: bool) -> bytes:
     part = e.j < 0 if walls else e.j >= 0
     ends, crosses = e.ends()
     arrays: list[_Array] = [
-        ("id1", e.i, "i8"), ("wall" if walls else "id2", e.j, "i8"), ("normal_force", e.fn, "f8"), ("force", e.force, "f8"),
-        ("tangential_force", e.ft, "f8"), ("normal", e.n, "f8"), ("overlap", e.overlap, "f8"), ("kn", e.kn, "f8"),
-        ("kt", e.kt, "f8"), ("carrying", e.carrying, "i8"), *(() if walls else (("periodic", crosses, "i8"),))]
+        ("id1", e.i, "i8"), ("wall" if walls else "id2", e.j, "i8"), ("normal_force", e.fn, "f8"),
+        ("force", e.force, "f8"), ("tangential_force", e.ft, "f8"), ("normal", e.n, "f8"), ("overlap", e.overlap, "f8"),
+        ("kn", e.kn, "f8"), ("kt", e.kt, "f8"), ("carrying", e.carrying, "i8"),
+        *(() if walls else (("periodic", crosses, "i8"),))]
     points = np.stack([e.x[e.i], ends], axis=1)[part].reshape(-1, 3)
-    return _file(_note(e), 'CellData Scalars="normal_force"', [(name, values[part], kind) for name, values, kind in arrays],
-                 points, 2, _whole(e))
+    own = [(name, values[part], kind) for name, values, kind in arrays]
+    return _file(_note(e), 'CellData Scalars="normal_force"', own, points, 2, _whole(e))
 
 
 def _index(kind: str, version: str, sets: list[tuple[str, str]], inner: str) -> bytes:
     """A file that names others."""
     text = "".join(f'<DataSet {words} file="{_named(path)}"/>\n' for words, path in sets)
-    return os.fsencode(f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="{version}">\n<{inner}>\n{text}</{inner}>\n'
-                       "</VTKFile>\n")
+    return os.fsencode(f'<?xml version="1.0"?>\n<VTKFile type="{kind}" version="{version}">\n'
+                       f"<{inner}>\n{text}</{inner}>\n</VTKFile>\n")
 
 
 def _named(path: str) -> str:
@@ -169,7 +171,7 @@ def read_arrays(path: str) -> tuple[dict[str, Any], str]:
     except (xml.etree.ElementTree.ParseError, ValueError) as fault:
         raise bad_file(f"{path}: is no whole XML: {fault}") from None
     if root.get("type") != "PolyData" or root.get("header_type") != "UInt64" or root.get("compressor"):
-        raise bad_file(f"{path}: {root.get('type')}, must be PolyData as sonopack writes it; a series or a block of files "
-                       "names others, which can be read")
+        raise bad_file(f"{path}: {root.get('type')}, must be PolyData as sonopack writes it; a series or a block of "
+                       "files names others, which can be read")
     note = text[text.find(b"<!--") + 4:text.find(b"-->")].decode(errors="replace") if b"<!--" in text else ""
     return {element.get("Name", ""): _read_array(path, element) for element in root.iter("DataArray")}, note

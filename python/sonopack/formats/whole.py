@@ -110,7 +110,8 @@ def _wall_of(r: Floats, links: Links) -> str:
 def _read_vtp(path: str) -> _Whole:
     grains, note = vtk.read_arrays(path)
     if "scale" in grains or "mass" not in grains:
-        raise bad_file(f"{path}: has no grains and contacts of a packing; give NAME.vtp, not a part or a frame of a series")
+        raise bad_file(f"{path}: has no grains and contacts of a packing; give NAME.vtp, not a part or a frame of a "
+                       "series")
     grains |= dict(zip("xyz", grains["Points"].reshape(-1, 3).T))
     parts = [vtk.read_arrays(beside(path, suffix))[0] for suffix in ("-contacts.vtp", "-walls.vtp")]
     names: dict[str, tuple[str, str]] = {"i": ("id1",) * 2, "j": ("id2", "wall"), "Fn": ("normal_force",) * 2}
@@ -121,7 +122,8 @@ def _read_vtp(path: str) -> _Whole:
         contacts |= {stem + axis: column for axis, column in zip("xyz", vector.T)}
     kinds = {"cell": CELLS, "wall": WALLS}
     codes = {"cell": grains.get("cell", [0]), "wall": grains.get("wall_kind", [])}
-    head: dict[str, Any] = {"tilt": [0.0] * 3, "gravity": [0.0], **grains, "units": "SI" if "lengths in m" in note else "own"}
+    head: dict[str, Any] = {"tilt": [0.0] * 3, "gravity": [0.0], **grains,
+                            "units": "SI" if "lengths in m" in note else "own"}
     for key, code in codes.items():
         head[key] = kinds[key][int(code[0])] if len(code) else None
     return _Whole(grains, contacts, _plain_head(head))
@@ -129,8 +131,9 @@ def _read_vtp(path: str) -> _Whole:
 
 def _plain_head(head: dict[str, Any]) -> dict[str, Any]:
     """Rows for box and tilt, and for the other keys words or numbers, of arrays of one element."""
-    return {key: np.ravel(value) if key in ("box", "tilt") else value[0] if isinstance(value, (np.ndarray, list)) else value
-            for key, value in head.items() if np.size(value)}
+    plain = {key: value[0] if isinstance(value, (np.ndarray, list)) else value
+             for key, value in head.items() if np.size(value)}
+    return plain | {key: np.ravel(head[key]) for key in ("box", "tilt") if key in head}
 
 
 # ---- MAT ------------------------------------------------------------------------------------------------------------
@@ -139,8 +142,9 @@ def write_mat(e: Export) -> bytes:
     """A MATLAB 5 MAT-file: structs grains and contacts, their units, and the numbers of the packing."""
     import scipy.io
     head = _head(e) | {"dimension": float(e.packing.dim), "units": e.units.all}
-    values = {key: head[key] for key in ("dimension", "box", "cell", "tilt", "gravity", "pressure", "friction", "poisson",
-                                         "wall", "units") if e.special or key not in ("cell", "tilt", "gravity")}
+    values = {key: head[key] for key in ("dimension", "box", "cell", "tilt", "gravity", "pressure", "friction",
+                                         "poisson", "wall", "units")
+              if e.special or key not in ("cell", "tilt", "gravity")}
     values |= {key: np.array([values[key]]) for key in ("box", "tilt") if key in values}
     if e.packing.scene:
         values["scene"] = e.packing.scene

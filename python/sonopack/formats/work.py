@@ -97,8 +97,8 @@ def contact_table(links: Links) -> npt.NDArray[Any]:
 
 
 def sum_over(i: Integers, j: Integers, n: int, values: Floats, sign: float = -1.0) -> Floats:
-    """Sums of values [contacts][k] over the contacts i, j of each of n grains, on j times `sign`. They are taken contact
-    by contact: the same bits everywhere."""
+    """Sums of values [contacts][k] over the contacts i, j of each of n grains, on j times `sign`. They are taken
+    contact by contact: the same bits everywhere."""
     ends = np.stack([i, j], axis=1).ravel()
     grains = ends >= 0
     signs = np.tile([1.0, sign], len(i))[grains]
@@ -138,7 +138,8 @@ class Report:
 class Work:
     """What is known so far. axis[a] of the file is axis a of the packing, the last of which is up."""
 
-    def __init__(self, path: str, options: Options, form: str, sheets: tuple[Sheet, Sheet | None, Sheet | None]) -> None:
+    def __init__(self, path: str, options: Options, form: str,
+                 sheets: tuple[Sheet, Sheet | None, Sheet | None]) -> None:
         self.path, self.o, self.form = path, options, form
         self.grains, self.contacts, self.walls = sheets
         self.roles, self.report = Roles(options.columns), Report(form)

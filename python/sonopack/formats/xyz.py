@@ -70,8 +70,8 @@ def write(e: Export) -> bytes:
     pbc = " ".join("T" if a < p.dim and e.periodic(a) else "F" for a in range(3))
     more = ":displacement:R:3" * (e.displacement is not None) + ":rotation:R:3" * (e.rotation is not None)
     special = f" cell={p.cell} gravity={n(e.gravity)}" if e.special else ""
-    head = (f'{p.n}\nLattice="{" ".join(lattice)}" pbc="{pbc}" Properties=species:S:1:pos:R:3:id:I:1:radius:R:1:mass:R:1:'
-            f"forces:R:3:contacts:I:1:rattler:I:1{more} dimension={p.dim} pressure={n(e.pressure)} "
+    head = (f'{p.n}\nLattice="{" ".join(lattice)}" pbc="{pbc}" Properties=species:S:1:pos:R:3:id:I:1:radius:R:1:'
+            f"mass:R:1:forces:R:3:contacts:I:1:rattler:I:1{more} dimension={p.dim} pressure={n(e.pressure)} "
             f'friction={n(p.friction)} poisson={n(p.poisson)}{special} wall={p.wall} units="{e.units.all}"\n')
     columns = [*e.x.T, e.ids, e.r, e.mass, *e.net.T, e.contacts, e.rattler, *e.vectors("u", "r")[1]]
     return head.encode() + rows_of(columns, first="X")  # ASE: no element
