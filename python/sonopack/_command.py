@@ -32,8 +32,7 @@ MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.c
            "pack-lammps": "formats.engine", "bench": "bench", "save-table": "formats.tables"}
 
 #: which Debian package brings a module
-DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",
-          "meshio": "python3-meshio"}
+DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py"}
 
 
 class Failed(SonopackError):
@@ -129,6 +128,7 @@ class _Words(argparse.Action):
 
 def option(read: Callable[[str], Any]) -> Callable[[str], Any]:
     """The type of an option whose text a function of the library reads, so that its reason is told."""
+
     def convert(text: str) -> Any:
         try:
             return read(text)
@@ -139,6 +139,7 @@ def option(read: Callable[[str], Any]) -> Callable[[str], Any]:
 
 def whole(low: int, high: int) -> Callable[[str], int]:
     """The type of an option that takes an integer between two."""
+
     def read(text: str) -> int:
         if not re.fullmatch(r"[+-]?\d+", text) or not low <= int(text) <= high:
             raise argparse.ArgumentTypeError(f"{text:.60}: must be an integer {low} .. {high}")
@@ -148,6 +149,7 @@ def whole(low: int, high: int) -> Callable[[str], int]:
 
 def number(low: float, high: float) -> Callable[[str], float]:
     """The type of an option that takes a finite number between two."""
+
     def read(text: str) -> float:
         if not re.fullmatch(r"[0-9+\-.eE]+", text):
             raise argparse.ArgumentTypeError(f"{text:.60}: must be a number {low:g} .. {high:g}")
