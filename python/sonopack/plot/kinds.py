@@ -94,7 +94,7 @@ KINDS = {
                        "table of S(k, omega) (--profile) is drawn as a map", sets="network"),
     "wave": Kind("waves", 6, "phase speed and attenuation against wave number from tables of `sonopack wave', and "
                  "Rayleigh's alpha = a k^(dimension + 1) through the points with alpha below k/10"),
-    "amplitude": Kind("amplitudes", 6, "speed over its linear limit and shares of contacts that opened and slid against "
+    "amplitude": Kind("waves", 6, "speed over its linear limit and shares of contacts that opened and slid against "
                       "amplitude, from tables of `sonopack amplitude'; with --omega and --planes F2/F1^2 against height"),
     "column": Kind("tapped", 6, "a table of `sonopack column' (trajectory, strobe, lyapunov, bifurcation, compare, density "
                    "or energy); trajectories of lattice, longwave and bsr are drawn as surfaces side by side, two columns "
