@@ -1,9 +1,8 @@
 """Pictures of a packing on Axes: its grains, walls, lines and arrows; three views of one in three dimensions."""
 from __future__ import annotations
 
-import dataclasses
 import functools
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -34,69 +33,28 @@ SOLID_SIZE = 0.5  # in three dimensions: of a grain as drawn over its own, so th
 PALE = 0.75  # how much of the colour of the farthest grains is white
 
 
-@dataclasses.dataclass
 class View:
     """A packing on Axes, whose coordinates are those of the packing [d]. across, rise: the axes of the packing that run
     to the right (-1: none) and upwards. points: in a diameter d [pt]. shift [n][3]: of grains that moved [d]."""
 
     ax: Axes
-    packing: Packing
-    across: int
-    rise: int
-    points: float
-    shift: Floats | None = None
+
+    def __init__(self, packing: Packing, across: int, rise: int, shift: Floats | None = None) -> None:
+        self.packing, self.across, self.rise, self.shift, self.points = packing, across, rise, shift, 1.0
+        self.solid = packing.dim == 3
+        self.above = self.solid and rise == 1  # seen from above
+        self.periodic = across >= 0 and packing.cell != "box"  # to the right
+        self.tiled = packing.cell == "periodic" or (self.above and packing.cell == "piston")  # upwards, too
+        self.boxed = across >= 0 and packing.cell == "box"  # walls at the sides
+        self.width = packing.box[across] if across >= 0 else 2.2 * float(packing.r.max())
+        self.height = packing.box[rise]
+        #: how far the top of a tilted cell lies to the right
+        self.slant = packing.tilt[across + rise - 1] if 0 <= across < rise else 0.0
+        self.left = min(0.0, self.slant) - (0.5 * self.width if across < 0 else 0.0)
+        self.span = self.width + abs(self.slant)
+        self.diameter = 2 * float(np.mean(packing.r))  # mean [d]
 
     # ---- the frame --------------------------------------------------------------------------------------------------
-
-    @property
-    def solid(self) -> bool:
-        return self.packing.dim == 3
-
-    @property
-    def above(self) -> bool:
-        """Whether it is seen from above."""
-        return self.solid and self.rise == 1
-
-    @property
-    def periodic(self) -> bool:
-        """To the right."""
-        return self.across >= 0 and self.packing.cell != "box"
-
-    @property
-    def tiled(self) -> bool:
-        """Periodic upwards, too."""
-        return self.packing.cell == "periodic" or (self.above and self.packing.cell == "piston")
-
-    @property
-    def boxed(self) -> bool:
-        """With walls at the sides."""
-        return self.across >= 0 and self.packing.cell == "box"
-
-    @functools.cached_property
-    def width(self) -> float:
-        return self.packing.box[self.across] if self.across >= 0 else 2.2 * float(self.packing.r.max())
-
-    @property
-    def height(self) -> float:
-        return self.packing.box[self.rise]
-
-    @property
-    def slant(self) -> float:
-        """How far the top of a tilted cell lies to the right."""
-        return self.packing.tilt[self.across + self.rise - 1] if 0 <= self.across < self.rise else 0.0
-
-    @property
-    def left(self) -> float:
-        return min(0.0, self.slant) - (0.5 * self.width if self.across < 0 else 0.0)
-
-    @property
-    def span(self) -> float:
-        return self.width + abs(self.slant)
-
-    @functools.cached_property
-    def diameter(self) -> float:
-        """Mean diameter of the grains [d]."""
-        return 2 * float(np.mean(self.packing.r))
 
     def open(self) -> View:
         """Limits and walls."""
@@ -266,16 +224,13 @@ def views(packing: Packing, ax: Any = None, shift: Floats | None = None) -> list
     """One view, or in three dimensions three at one scale: along y, beside it along x, and below the first from above.
     On new Axes or on those given."""
     planes = [(0, 2), (1, 2), (0, 1)] if packing.dim == 3 else [(packing.dim - 2, packing.dim - 1)]
-    given = None if ax is None else list(np.ravel(np.asarray(ax, object)))
-    found = [View(None if given is None else given[k], packing, *plane, 1.0, shift)  # type: ignore[arg-type]
-             for k, plane in enumerate(planes[:None if given is None else len(given)])]
+    given = None if ax is None else np.ravel(np.asarray(ax, object))
+    found = [View(packing, *plane, shift) for plane in planes[:None if given is None else len(given)]]
     if given is None:
         _lay_out(found)
-    else:
-        for view in found:
-            box = view.ax.get_window_extent()
-            room = [box.width / view.span, box.height / view.height]
-            view.points = min(room) * 72 / view.ax.figure.dpi
+    for view, view.ax in zip(found, () if given is None else given):
+        box = view.ax.get_window_extent()
+        view.points = min(box.width / view.span, box.height / view.height) * 72 / view.ax.figure.dpi
     return [view.open() for view in found]
 
 
@@ -315,11 +270,12 @@ def arrow_key(points: float, width: float, colour: str, text: str) -> FancyArrow
     return FancyArrow(0, 0, points, 0, width=width, fc=colour, lw=0, label=text)
 
 
-def add_key(found: Sequence[View], entries: Iterable[Any], title: str = "") -> None:
-    """The key of a picture."""
+def finish(found: Sequence[View], entries: Sequence[Any], title: str = "") -> Any:
+    """Adds the key of a picture, and returns its Axes, or the array of those of three views."""
     if found[0].solid:
         title = "\n".join(filter(None, (title, "grains at half their size, far ones pale")))
-    key_below(found[0].ax, list(entries), title)
+    key_below(found[0].ax, entries, title)
+    return found[0].ax if len(found) == 1 else np.array([view.ax for view in found], object)
 
 
 def key_below(ax: Axes, entries: Sequence[Any], title: str = "") -> None:
