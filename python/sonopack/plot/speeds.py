@@ -72,8 +72,8 @@ def _positive(one: Input, name: str, values: Floats | None) -> Floats:
 def _add_speeds(ax: Axes, one: Input, name: str, k: int, count: int) -> tuple[Any, list[str]]:
     """The points of one table. One table has a colour for each speed, several have one each."""
     hint, used = "a ctof table has p, c_tof, c_tof_err, c_l, c_t", []
-    one.column("c_tof", hint)
     p = _positive(one, "p", one.column("p", hint))
+    one.column("c_tof", hint)
     for q, speed in enumerate(SPEEDS):
         c, error = _positive(one, speed, one.optional(speed)), one.errors(speed)
         there = np.isfinite(p) & np.isfinite(c)

@@ -5,7 +5,7 @@ import pytest
 
 import sonopack
 from sonopack import plot
-from sonopack.plot import _tapped, command, tapped
+from sonopack.plot import command, tapped
 from sonopack.plot._inputs import Input
 
 matplotlib.use("agg")
@@ -93,7 +93,7 @@ def test_densities(made):
 def test_profiles_of_few_and_of_many_taps(period, expected):
     t = np.linspace(0, 3.2, 321)
     table = sonopack.Table.from_columns({"t": t, "y1": t, "rho1": t}, None, {"period": period})
-    rows = tapped._profile_rows(_tapped.Tapped(Input(table)), t)
+    rows = tapped._profile_rows(tapped.Tapped(Input(table)), t)
     assert [tap for _, tap in rows] == [0, *expected]
     assert np.allclose(t[[row for row, _ in rows[1:]]], (np.array(expected) - 0.01) * period, atol=0.006)
 
@@ -120,7 +120,7 @@ def test_a_bifurcation_stands_above_exponents(made):
 
 def test_violations_are_told():
     table = sonopack.Table.from_columns({"parameter": [1.0, 2.0], "lambda": [0.1, 0.2]})
-    assert _tapped.Tapped(Input(table)).violated() == ""
+    assert tapped.Tapped(Input(table)).violated() == ""
     path_text = "# warning: ordering (1) violated at 3 of 50 points\nparameter\tlambda\n1\t0.1\n2\t0.2\n"
     import pathlib
     import tempfile
@@ -176,10 +176,10 @@ _TABLES = {"text.tsv": "t\ty0\ty1\n0\ta\t1\n", "none.tsv": "p\tc\n1\t2\n", "y0.t
     ("falls.tsv", 1, "row 2, t = 0 after 1: must rise"), ("inf.tsv", 1, "must be finite"),
     ("nan.tsv", 1, "no position is finite"),
     ("two.tsv rho1.tsv", 1, "no common scale"),
-    ("strobe.tsv two.tsv", 1, "table 1 is a strobe table and table 2 a trajectory"),
+    ("strobe.tsv two.tsv", 1, "table 1 is a strobe table and table 2 is a trajectory"),
     ("strobe.tsv --surface", 1, "a surface is drawn of"), ("y.tsv --surface", 1, "a surface needs two or more"),
     ("y.tsv --column y1", 1, "only a bifurcation"), ("bif.tsv --column y2", 2, "must be y1 to y1"),
-    ("bif.tsv --column z", 2, "must be y1, y2"), ("bif.tsv lyap.tsv", 1, "must be the same"),
+    ("bif.tsv --column z", 2, "must be y1 to y1"), ("bif.tsv lyap.tsv", 1, "must be the same"),
     ("same.tsv", 1, "only one value of the parameter"), ("nolyap.tsv", 1, "no Lyapunov exponent is finite")])
 def test_refusals(tmp_path, monkeypatch, arguments, status, reason):
     monkeypatch.chdir(tmp_path)
