@@ -115,7 +115,7 @@ class Tapped:
 
 
 
-# ---- the figure of each output ---------------------------------------------------------------------------------------
+# ---- the figure of each output --------------------------------------------------------------------------------------
 
 LINES_MOST = 40  # particles drawn
 NAMED_MOST = 6  # particles with colours of their own

@@ -7,9 +7,8 @@ import math
 import numpy as np
 
 from ..._table import Table
-from .. import published
-from ..page import Page
-from ..work import Work
+from ..report import Page
+from ..work import Work, by_key
 
 _COMMENTS = (
     "Blackmore et al., J. Mech. Mater. Struct. 6 (2011), beside our values; units cm, g, s",
@@ -20,6 +19,10 @@ _COMMENTS = (
     "verdict erratum: the paper is wrong by its own premises, and ours is right; paper nan: no number is wrong",
     "verdict not given: the paper has no number; missing: there is none of ours",
     "claims in words: verdict holds, contradicted, or undecided where ours lies within its error of the limit")
+
+
+_COLUMNS = ("item", "equation", "quantity", "unit", "relation", "paper", "precision", "ours", "err", "verdict", "note")
+_NUMBERS = ("paper", "precision", "ours", "err")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -75,24 +78,17 @@ def add(work: Work, key: str, ours: float, err: float | None = None, *, paper: f
         detail: bool = False, **words: object) -> None:
     """Adds the row `key` of rows.tsv with our value. err, paper: where they are computed. words: of quantity and
     note."""
-    row = published.by_key("blackmore", "rows")[key]
+    row = by_key("blackmore", "rows")[key]
     work.rows.append(Row(
-        row["item"], row["equation"], row["quantity"].format(**words), row["unit"], row["relation"],
+        row["item"], row["equation"], row["quantity"].format(**words), row["unit"] or "-", row["relation"],
         float(row["paper"]) if paper is None else float(paper), float(row["precision"]), float(ours),
-        float(row["err"]) if err is None else float(err), row["kind"], row["note"].format(**words), detail))
+        float(row["err"]) if err is None else float(err), row["kind"], row["note"].format(**words) or "-", detail))
 
 
 def table(rows: list[Row]) -> Table:
     """The rows as a table."""
-    text = {"item": [row.item for row in rows], "equation": [row.equation for row in rows],
-            "quantity": [row.quantity for row in rows], "unit": [row.unit or "-" for row in rows],
-            "relation": [row.relation for row in rows]}
-    numbers = {name: [getattr(row, name) for row in rows] for name in ("paper", "precision", "ours", "err")}
-    rest = {"verdict": [row.verdict for row in rows], "note": [row.note or "-" for row in rows]}
-    columns = [{name: np.array(cells, str) for name, cells in text.items()},
-               {name: np.array(cells, float) for name, cells in numbers.items()},
-               {name: np.array(cells, str) for name, cells in rest.items()}]
-    out = Table.from_columns({name: cells for part in columns for name, cells in part.items()})
+    out = Table.from_columns({name: np.array([getattr(row, name) for row in rows], float if name in _NUMBERS else str)
+                              for name in _COLUMNS})
     for line in _COMMENTS:
         out.add_comment(line)
     return out
@@ -113,8 +109,9 @@ def _number(x: float, error: float, before: str = "") -> str:
 
 def _cells(row: Row) -> list[str]:
     before = "" if row.relation == "=" else f"{row.relation} "
-    return [row.item, row.equation, row.quantity + (f" [{row.unit}]" if row.unit else ""),
-            _number(row.paper, row.precision, before), _number(row.ours, row.err), row.verdict, row.note]
+    return [row.item, row.equation, row.quantity + (f" [{row.unit}]" if row.unit != "-" else ""),
+            _number(row.paper, row.precision, before), _number(row.ours, row.err), row.verdict,
+            row.note if row.note != "-" else ""]
 
 
 class Report:

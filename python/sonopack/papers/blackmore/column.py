@@ -1,21 +1,59 @@
-"""Errors of the paper: for each the value that follows from the print, and the correct one, both computed."""
+"""The columns of the paper, and its errors: for each the value that follows from the print, and the correct one, both
+computed."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from typing import Any
 
-from ..._column import Column
+from ..._column import Column, ColumnRun
 from ..._core import Floats
-from ..work import Work, total
-from .paper_column import AMPLITUDE, GRAVITY, coefficients, column, overlap, speed2
+from ..work import Tell, Work, total
 from .rows import add
+
+#: of the paper: gravity [cm/s^2], amplitude [cm], restitution
+GRAVITY, AMPLITUDE, RESTITUTION = 980.67, 1.06, 0.09
+
+
+def column(particles: int, **keys: Any) -> Column:
+    """The column of Fig. 1: 5 particles at 7.5 Hz or 10 at 9.5 Hz, T = 1 s, four taps, with other keys."""
+    return Column(**{"particles": particles, "frequency": 9.5 if particles == 10 else 7.5, "taps": 4, **keys})
+
+
+def overlap(c: Column) -> float:
+    """m g/K, the overlap that supports one particle [cm]."""
+    return c.mass() * GRAVITY / c.stiffness
+
+
+def speed2(c: Column) -> float:
+    """K h^2/m, the unit of squared speeds [cm^2/s^2]."""
+    h = 2 * c.radius()
+    return c.stiffness * h * h / c.mass()
+
+
+def separation(run: ColumnRun) -> float:
+    """The smallest separation in any tap [cm]."""
+    return min(tap.separation for tap in run.taps)
+
+
+def stiff(times: float) -> float:
+    """K = times m g/r, of particles of unit mass and radius [g/s^2]."""
+    return times * 1.0 * GRAVITY / 1.0
+
+
+def coefficients(r: float, alpha: float) -> tuple[float, float, float]:
+    """The coefficients (36) and (38) for sigma = tanh(alpha s): A(+), A(-), B."""
+    cubed = 16 * math.pow(r * alpha, 3)
+    return 1.5 + 6 * r * alpha - cubed, 1.5 + 6 * r * alpha + cubed, alpha * (1 - 8 * r * r * alpha * alpha)
+
+
+# ---- errata ---------------------------------------------------------------------------------------------------------
 
 _COLUMNS = (
     "In the column of the paper stands what is printed, or what a printed equation gives when it is evaluated; in ours "
     "the value that is right. Values are for the columns of Fig. 1.")
 
 
-def make(work: Work, tell: Callable[[float], None]) -> None:
+def make_errata(work: Work, tell: Tell) -> None:
     five, ten = column(5), column(10)
     work.say("errata", _COLUMNS)
     _taps(work, five)
