@@ -108,32 +108,30 @@ def _reproduce(arguments: argparse.Namespace, wanted: set[str]) -> Table:
     for name in ("jobs", "samples", "protocol") if column else ():
         if getattr(arguments, name) is not None:
             note(arguments, f"--{name} has no effect: blackmore2011 needs no packings")
-    work, paper = _work(arguments, wanted)
+    work, room = _work(arguments, wanted), f"sonopack.papers.{PAPERS[arguments.paper]}"
     if work.folder:
         report.begin(work.folder)
     try:
-        importlib.import_module(f"sonopack.papers.{PAPERS[arguments.paper]}").make(work)
+        importlib.import_module(room).make(work)
     except (KeyboardInterrupt, Interrupted):
         raise Failed("stopped, and nothing was saved" if column else f"stopped: all finished samples are in "
                      f"{arguments.store}, and the same command continues") from None
     finally:
         work.watch.clear()
-    table: Table = paper.table(work)
+    paper = importlib.import_module(f"{room}.rows")
+    table: Table = paper.table(work, work.rows)
     if work.folder:
         report.write(paper, work)
     _notes(arguments, work)
     return table
 
 
-def _work(arguments: argparse.Namespace, wanted: set[str]) -> tuple[Work, report.Paper]:
+def _work(arguments: argparse.Namespace, wanted: set[str]) -> Work:
     if arguments.paper == "blackmore2011":
-        from .blackmore.rows import Report as Column
-
-        return Work("blackmore", "reproduce blackmore2011", wanted, arguments), Column()
-    from .somfai.rows import Report as Packings
+        return Work("blackmore", "reproduce blackmore2011", wanted, arguments)
     from .somfai.samples import SomfaiWork
 
-    return SomfaiWork(arguments, wanted), Packings()
+    return SomfaiWork(arguments, wanted)
 
 
 def _notes(arguments: argparse.Namespace, work: Work) -> None:

@@ -6,11 +6,10 @@ import html
 import os
 import re
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any
 
 from .. import __version__
 from .._command import Failed, usage, whole_file
-from .._table import Table
 from .work import Work
 
 #: first lines of a report, and of an unfinished one
@@ -93,10 +92,6 @@ class Page:
         self.html.append(f"<p>{f'<b>{lead}</b> ' if lead else ''}{_html(text)}</p>\n")
         self.markdown.append(f"{f'**{lead}** ' if lead else ''}{_markdown(text)}\n\n")
 
-    def paragraphs(self, texts: Sequence[str], lead: str) -> None:
-        for k, text in enumerate(texts):
-            self.paragraph(text, "" if k else lead)
-
     def table(self, head: Sequence[str], rows: Sequence[tuple[str, Sequence[str]]], sentence: bool = False) -> None:
         """rows: style and cells of each. sentence: the last cell holds a sentence and may be broken into lines."""
         if not rows:
@@ -133,46 +128,27 @@ class Page:
         _save(folder, "md", "".join(self.markdown))
 
 
-# ---- what both papers have ------------------------------------------------------------------------------------------
+# ---- the whole ------------------------------------------------------------------------------------------------------
 
-class Paper(Protocol):
-    """What is different from paper to paper."""
-
-    TITLE: str
-    OPENING: str
-    FILES: str  #: what the files of the folder are
-
-    def table(self, work: Work) -> Table:
-        """All rows as a table."""
-
-    def summary(self, work: Work, page: Page) -> None:
-        """Counts of the verdicts, the rows that need attention, and how to read them."""
-
-    def tables(self, work: Work, page: Page, item: str) -> None:
-        """The tables of the rows of an item."""
-
-    def save_rows(self, work: Work, item: str) -> None:
-        """Writes the rows of an item as a file."""
-
-    def run(self, work: Work) -> str:
-        """What was run, for the end of the summary."""
-
-
-def write(paper: Paper, work: Work) -> None:
-    """Writes report.html and report.md, and a table of the rows of each item."""
+def write(paper: Any, work: Work) -> None:
+    """Writes report.html and report.md, and a table of the rows of each item. paper: the module with the TITLE, the OPENING
+    and a summary of the report, the tables of an item, and what was run; OF_FIGURES: how names of tables of figures end."""
     page = Page(paper.TITLE)
     page.paragraph(paper.OPENING)
     page.heading("summary", "Summary")
-    paper.summary(work, page)
-    page.paragraph(f"sonopack {__version__}, reproduce {paper.run(work)}", "Run.")
+    paper.write_summary(work, page)
+    page.paragraph(f"sonopack {__version__}, reproduce {paper.what_was_run(work)}", "Run.")
     for item in work.wanted:
         page.heading(item, work.items[item]["title"])
         page.paragraph(work.items[item]["shows"], "In the paper.")
-        page.paragraphs(work.sections[item].sentences, "Here.")
-        paper.tables(work, page, item)
+        for k, text in enumerate(work.sections[item].sentences):
+            page.paragraph(text, "" if k else "Here.")
+        rows = [row for row in work.rows if row.item == item]
+        paper.write_tables(page, rows)
         for file, caption in work.sections[item].figures:
             page.figure(file, caption)
-        paper.save_rows(work, item)
+        if rows:
+            work.save_table(item + (paper.OF_FIGURES if item.startswith("fig") else ""), paper.table(work, rows))
     page.heading("files", "Files")
     page.paragraph(paper.FILES)
     page.save(work.folder)

@@ -189,6 +189,14 @@ def families(rows: Sequence[Row]) -> list[Family]:
 
 # ---- the table ------------------------------------------------------------------------------------------------------
 
+TITLE = "Elastic wave propagation in confined granular systems, computed again"
+OPENING = (
+    "Tables and figures of E. Somfai, J.-N. Roux, J. H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, "
+    "021301 (2005), beside values and figures of new packings. Units: lengths in mean grain diameters d, pressures "
+    "in E*, speeds in sqrt(E*/rho), times in d/sqrt(E*/rho).")
+FILES = ("The numbers behind each figure and table are beside it in a file of the same name: fig6.tsv, table1.tsv; "
+         "values of figures that the paper states in fig6-values.tsv and so on.")
+OF_FIGURES = "-values"
 _COMMENTS = (
     "values of Somfai et al., Phys. Rev. E 72, 021301 (2005), beside ours; units: d, E*, sqrt(E* / rho)",
     "err: standard error of our mean; ours_sd: one standard deviation of our samples",
@@ -205,18 +213,20 @@ _COLUMNS = {"item": str, "p": float, "quantity": str, "paper": float, "paper_sd"
             "deviation_err": float, "rounding": float, "relation": str, "where": str, "note": str}
 
 
-def rows_table(work: SomfaiWork, rows: Sequence[Row]) -> Table:
-    """Rows as a table."""
+def table(work: SomfaiWork, rows: Sequence[Row]) -> Table:
+    """Rows as a table; all of them with their counts, claims and families as comments, one a line."""
     cells: dict[str, list[Any]] = {name: [getattr(row, name) for row in rows] for name in _COLUMNS}
     cells["relation"] = [">" if row.scatter == "bound" else row.relation for row in rows]
     # the place is that of the title of the item: "Table I" of "Table I. Statics", "Fig. 6" of "Fig. 6. Arrival times"
     places = {item: " ".join(row["title"].split()[:2]).rstrip(".") for item, row in work.items.items()}
     cells["where"] = [row.where or places[row.item] for row in rows]
     cells["note"] = [row.note or "-" for row in rows]
-    table = Table.from_columns({name: np.array(cells[name], kind) for name, kind in _COLUMNS.items()}, {"p": "E*"})
+    made = Table.from_columns({name: np.array(cells[name], kind) for name, kind in _COLUMNS.items()}, {"p": "E*"})
     for line in _COMMENTS:
-        table.add_comment(line)
-    return table
+        made.add_comment(line)
+    if rows is work.rows:
+        _add_counts(made, work)
+    return made
 
 
 def _side(family: Family, both: str) -> str:
@@ -227,25 +237,26 @@ def _claims(rows: Sequence[Row]) -> list[str]:
     return [row.verdict for row in rows if row.is_claim]
 
 
-def add_counts(table: Table, items: Sequence[str], rows: Sequence[Row]) -> None:
-    """Adds counts, claims and families as comments, one a line."""
-    counts = [(item, counted(rows, item)) for item in items]
-    for name, c in [*counts, ("tables", counted(rows)), ("stated", counted(rows, means=False))]:
-        if c.values + c.missing:
-            table.add_comment(
-                f"count: {name} values {c.values} agree {c.agree} missing {c.missing} judged {c.judged} within1 "
-                f"{c.within1} beyond2 {c.beyond2} beyond3 {c.beyond3} chi2 {c.chi2:.1f} chi2_without_rounding "
-                f"{c.chi2_bare:.1f}")
-    found = _claims(rows)
+def _counts(work: SomfaiWork, means: str, stated: str) -> list[tuple[str, Counts]]:
+    """Counts of the items, of all means, and of what is stated in words, as far as there are values."""
+    found = [(item, counted(work.rows, item)) for item in work.items]
+    found += [(means, counted(work.rows)), (stated, counted(work.rows, means=False))]
+    return [(name, c) for name, c in found if c.values + c.missing]
+
+
+def _add_counts(made: Table, work: SomfaiWork) -> None:
+    for name, c in _counts(work, "tables", "stated"):
+        made.add_comment(f"count: {name} values {c.values} agree {c.agree} missing {c.missing} judged {c.judged} within1 "
+                         f"{c.within1} beyond2 {c.beyond2} beyond3 {c.beyond3} chi2 {c.chi2:.1f} chi2_without_rounding "
+                         f"{c.chi2_bare:.1f}")
+    found = _claims(work.rows)
     if found:
-        table.add_comment(f"claims: {len(found)} hold {found.count('holds')} contradicted "
-                          f"{found.count('contradicted')} undecided {found.count('undecided')} missing "
-                          f"{found.count('missing')}")
-    for f in families(rows):
+        made.add_comment(f"claims: {len(found)} hold {found.count('holds')} contradicted {found.count('contradicted')} "
+                         f"undecided {found.count('undecided')} missing {found.count('missing')}")
+    for f in families(work.rows):
         if f.is_systematic:
-            table.add_comment(f"systematic: {f.item} {f.quantity}, {_side(f, 'off on both sides')} at all {f.values} "
-                              f"pressures, {100 * f.low:+.1f}% to {100 * f.high:+.1f}%, together {f.together:+.1f} "
-                              "errors")
+            made.add_comment(f"systematic: {f.item} {f.quantity}, {_side(f, 'off on both sides')} at all {f.values} "
+                             f"pressures, {100 * f.low:+.1f}% to {100 * f.high:+.1f}%, together {f.together:+.1f} errors")
 
 
 # ---- cells of the report --------------------------------------------------------------------------------------------
@@ -307,84 +318,62 @@ _HOW = (
     "undecided.")
 
 
-class Report:
-    """What the report says beside the items."""
+def write_summary(work: SomfaiWork, page: Page) -> None:
+    _lead(work.rows, page)
+    if work.rows:
+        page.table(_COUNTS, [("", _count_cells(*each)) for each in _counts(work, "all means", "stated in words")])
+    _systematic(work.rows, page)
+    page.table(_VALUES, [(row.verdict, _value_cells(row)) for row in work.rows
+                         if not row.is_claim and row.verdict != "agrees"])
+    page.table(_CLAIMS, [(row.verdict, _claim_cells(row)) for row in work.rows
+                         if row.is_claim and row.verdict != "holds"], True)
+    page.paragraph(_HOW, "How to read the tables.")
 
-    TITLE = "Elastic wave propagation in confined granular systems, computed again"
-    OPENING = (
-        "Tables and figures of E. Somfai, J.-N. Roux, J. H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, "
-        "021301 (2005), beside values and figures of new packings. Units: lengths in mean grain diameters d, pressures "
-        "in E*, speeds in sqrt(E*/rho), times in d/sqrt(E*/rho).")
-    FILES = ("The numbers behind each figure and table are beside it in a file of the same name: fig6.tsv, table1.tsv; "
-             "values of figures that the paper states in fig6-values.tsv and so on.")
 
-    def table(self, work: SomfaiWork) -> Table:
-        table = rows_table(work, work.rows)
-        add_counts(table, list(work.items), work.rows)
-        return table
+def _lead(rows: Sequence[Row], page: Page) -> None:
+    means, stated, found = counted(rows), counted(rows, means=False), _claims(rows)
+    values = len(rows) - len(found)
+    if not rows:
+        page.paragraph("Only figures were asked for, which have no values to compare.")
+    if values:
+        page.paragraph(
+            f"Of {values} values of the paper {means.agree + stated.agree} agree within one standard deviation, "
+            f"{means.values - means.agree + stated.values - stated.agree} deviate, and "
+            f"{means.missing + stated.missing} could not be compared.", "By the scatter of one sample.")
+    if means.judged:
+        page.paragraph(
+            f"Of {means.judged} means that the paper prints {means.within1} lie within one combined standard "
+            f"error, {means.beyond2} beyond two and {means.beyond3} beyond three; chi^2 = {means.chi2:.0f} "
+            f"({means.chi2_bare:.0f} without the rounding of print). This is the sharper measure, and shows "
+            "differences that the scatter of one sample hides.", "By the standard errors of both means.")
+    if found:
+        page.paragraph(
+            f"Of {len(found)} claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted, "
+            f"{found.count('undecided')} are undecided, and {found.count('missing')} could not be examined.",
+            "Claims in words.")
 
-    def summary(self, work: SomfaiWork, page: Page) -> None:
-        self._lead(work.rows, page)
-        if work.rows:
-            counts = [(item, counted(work.rows, item)) for item in work.items]
-            counts += [("all means", counted(work.rows)), ("stated in words", counted(work.rows, means=False))]
-            page.table(_COUNTS, [("", _count_cells(*each)) for each in counts if each[1].values + each[1].missing])
-        self._systematic(work.rows, page)
-        page.table(_VALUES, [(row.verdict, _value_cells(row)) for row in work.rows
-                             if not row.is_claim and row.verdict != "agrees"])
-        page.table(_CLAIMS, [(row.verdict, _claim_cells(row)) for row in work.rows
-                             if row.is_claim and row.verdict != "holds"], True)
-        page.paragraph(_HOW, "How to read the tables.")
 
-    @staticmethod
-    def _lead(rows: Sequence[Row], page: Page) -> None:
-        means, stated, found = counted(rows), counted(rows, means=False), _claims(rows)
-        values = len(rows) - len(found)
-        if not rows:
-            page.paragraph("Only figures were asked for, which have no values to compare.")
-        if values:
-            page.paragraph(
-                f"Of {values} values of the paper {means.agree + stated.agree} agree within one standard deviation, "
-                f"{means.values - means.agree + stated.values - stated.agree} deviate, and "
-                f"{means.missing + stated.missing} could not be compared.", "By the scatter of one sample.")
-        if means.judged:
-            page.paragraph(
-                f"Of {means.judged} means that the paper prints {means.within1} lie within one combined standard "
-                f"error, {means.beyond2} beyond two and {means.beyond3} beyond three; chi^2 = {means.chi2:.0f} "
-                f"({means.chi2_bare:.0f} without the rounding of print). This is the sharper measure, and shows "
-                "differences that the scatter of one sample hides.", "By the standard errors of both means.")
-        if found:
-            page.paragraph(
-                f"Of {len(found)} claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted, "
-                f"{found.count('undecided')} are undecided, and {found.count('missing')} could not be examined.",
-                "Claims in words.")
+def _systematic(rows: Sequence[Row], page: Page) -> None:
+    """Caveats: the error of the paper's mean is unknown if few packings dominate it, and the values of one table
+    come from the same packings."""
+    known = [family for family in families(rows) if family.values >= 3]
+    found = [family for family in known if family.is_systematic]
+    if found:
+        page.paragraph("Quantities that lie on one side of the paper at all pressures, and together beyond three "
+                       "errors; or off at all pressures, none within two errors:", "Systematic deviations.")
+    elif known:
+        page.paragraph("None.", "Systematic deviations.")
+    for f in found:
+        page.paragraph(f"{f.item}, {f.quantity}: {_side(f, 'off, on both sides,')} at all {f.values} pressures, by "
+                       f"{100 * f.low:+.1f}% to {100 * f.high:+.1f}%; {f.together:+.1f} errors together.")
 
-    @staticmethod
-    def _systematic(rows: Sequence[Row], page: Page) -> None:
-        """Caveats: the error of the paper's mean is unknown if few packings dominate it, and the values of one table
-        come from the same packings."""
-        known = [family for family in families(rows) if family.values >= 3]
-        found = [family for family in known if family.is_systematic]
-        if found:
-            page.paragraph("Quantities that lie on one side of the paper at all pressures, and together beyond three "
-                           "errors; or off at all pressures, none within two errors:", "Systematic deviations.")
-        elif known:
-            page.paragraph("None.", "Systematic deviations.")
-        for f in found:
-            page.paragraph(f"{f.item}, {f.quantity}: {_side(f, 'off, on both sides,')} at all {f.values} pressures, by "
-                           f"{100 * f.low:+.1f}% to {100 * f.high:+.1f}%; {f.together:+.1f} errors together.")
 
-    def tables(self, work: SomfaiWork, page: Page, item: str) -> None:
-        own = [row for row in work.rows if row.item == item]
-        page.table(_VALUES[1:], [(row.verdict, _value_cells(row)[1:]) for row in own if not row.is_claim])
-        page.table(_CLAIMS, [(row.verdict, _claim_cells(row)) for row in own if row.is_claim], True)
+def write_tables(page: Page, rows: Sequence[Row]) -> None:
+    page.table(_VALUES[1:], [(row.verdict, _value_cells(row)[1:]) for row in rows if not row.is_claim])
+    page.table(_CLAIMS, [(row.verdict, _claim_cells(row)) for row in rows if row.is_claim], True)
 
-    def save_rows(self, work: SomfaiWork, item: str) -> None:
-        own = [row for row in work.rows if row.item == item]
-        if own:
-            work.save_table(item + ("-values" if item.startswith("fig") else ""), rows_table(work, own))
 
-    def run(self, work: SomfaiWork) -> str:
-        return (f"somfai2005 with {work.samples} samples a pressure (2400 grains: half as many; spheres: a quarter), "
-                f"protocol {work.protocol}; {work.computed} samples made in this run, {work.failed} that failed or "
-                f"lack a part; {work.watch.seconds:.0f} seconds.")
+def what_was_run(work: SomfaiWork) -> str:
+    return (f"somfai2005 with {work.samples} samples a pressure (2400 grains: half as many; spheres: a quarter), "
+            f"protocol {work.protocol}; {work.computed} samples made in this run, {work.failed} that failed or "
+            f"lack a part; {work.watch.seconds:.0f} seconds.")
