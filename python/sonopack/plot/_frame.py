@@ -104,11 +104,14 @@ def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0
     return axes
 
 
-def column_of_panels(rows: int, ax: Any, aspect: float) -> npt.NDArray[Any]:
-    """Axes [rows] one above the other, with their letters."""
+def column_of_panels(rows: int, ax: Any, aspect: float, above: bool = False) -> npt.NDArray[Any]:
+    """Axes [rows] one above the other, with their letters in the corners, or above the frames."""
     axes: npt.NDArray[Any] = panels(rows, 1, ax=ax, aspect=aspect)[:, 0]
     for one, letter in zip(axes if rows > 1 else (), "abcd"):
-        one.text(0.02, 0.97, f"({letter})", transform=one.transAxes, va="top", ha="left", fontsize=8)
+        if above:
+            one.set_title(f"({letter})", loc="left", fontsize=7, pad=3)
+        else:
+            one.text(0.02, 0.97, f"({letter})", transform=one.transAxes, va="top", ha="left", fontsize=8)
     return axes
 
 

@@ -106,22 +106,20 @@ class View:
             across -= self.width * np.floor((across - start) / self.width)
         return np.stack([across, up], axis=1)
 
-    def images(self, low: Floats, high: Floats) -> tuple[Integers, Floats]:
-        """Things that span from low to high [n][2] and their images at the periodic edges that reach into the frame:
-        numbers, in their order, and offsets [images][2]."""
+    def seen(self, low: Floats, high: Floats, far: Floats) -> tuple[Integers, Floats]:
+        """Things that span from low to high [n][2] and their images at the periodic edges that reach into the frame, from
+        the farthest to the nearest: numbers, and offsets [images][2]."""
         found, offsets = [], []
         for a in (0, -1, 1) if self.periodic else (0,):
             for b in (0, -1, 1) if self.tiled else (0,):
-                step = np.array([a * self.width + b * self.slant, b * self.height])
-                seen = np.full(len(low), True)
+                step, there = np.array([a * self.width + b * self.slant, b * self.height]), np.full(len(low), True)
                 if a or b:
-                    end = self.left + self.span
-                    seen &= (high[:, 0] + step[0] >= self.left) & (low[:, 0] + step[0] <= end)
-                    seen &= (high[:, 1] + step[1] >= 0) & (low[:, 1] + step[1] <= self.height)
-                found.append(np.flatnonzero(seen))
+                    ends = np.array([[self.left, 0], [self.left + self.span, self.height]])
+                    there = np.all((high + step >= ends[0]) & (low + step <= ends[1]), axis=1)
+                found.append(np.flatnonzero(there))
                 offsets.append(np.broadcast_to(step, (len(found[-1]), 2)))
         numbers, steps = np.concatenate(found), np.concatenate(offsets)
-        order = np.argsort(numbers, kind="stable")
+        order = np.lexsort((numbers, -far[numbers]))
         return numbers[order], steps[order]
 
     def project(self, vectors: Floats) -> Floats:
@@ -151,16 +149,12 @@ class View:
 
     def grains(self, fill: npt.ArrayLike) -> EllipseCollection:
         """Discs; fill [n][3]: their colours."""
-        far = self.far(np.arange(self.packing.n))
-        order = np.argsort(-far, kind="stable")
-        r = (self.packing.r * (SOLID_SIZE if self.solid else 1))[order]
-        centre = self.places[order]
-        k, step = self.images(centre - r[:, None], centre + r[:, None])
-        thin = min(0.4, 0.05 * self.points)
-        colours, rims = _pale(np.asarray(fill), far)[order[k]], _pale(np.array([to_rgb(RIM)]), far[order[k]])
-        return self._add(EllipseCollection(2 * r[k], 2 * r[k], np.zeros(len(k)), units="xy", offsets=centre[k] + step,
+        far, r = self.far(np.arange(self.packing.n)), self.packing.r * (SOLID_SIZE if self.solid else 1)
+        k, step = self.seen(self.places - r[:, None], self.places + r[:, None], far)
+        colours, rims = _pale(np.asarray(fill)[k], far[k]), _pale(np.array([to_rgb(RIM)]), far[k])
+        return self._add(EllipseCollection(2 * r[k], 2 * r[k], np.zeros(len(k)), units="xy", offsets=self.places[k] + step,
                                            offset_transform=self.ax.transData, facecolors=colours, edgecolors=rims,
-                                           linewidths=thin, zorder=1))
+                                           linewidths=min(0.4, 0.05 * self.points), zorder=1))
 
     def links(self, contacts: npt.NDArray[Any], widths: Floats, colours: npt.ArrayLike) -> LineCollection:
         """Lines from centre to centre, or to the wall, along the normals of contacts. widths [contacts] of the lines
@@ -170,28 +164,24 @@ class View:
         if self.packing.dim == 1:
             reach = np.stack([reach[:, 0]] * 3, axis=1)
         far = self.far(i, 0.5 * reach[:, 3 - self.across - self.rise] if self.solid else 0.0)
-        order = np.argsort(-far, kind="stable") if self.solid else np.arange(len(i))
-        start, delta = self.places[i][order], self.project(reach)[order]
-        k, step = self.images(np.minimum(start, start + delta), np.maximum(start, start + delta))
-        ends = np.stack([start[k] + step, (start + delta)[k] + step], axis=1)
-        return self._add(LineCollection(ends, linewidths=widths[order][k],
-                                        colors=_pale(np.asarray(colours), far)[order][k], capstyle="round",
-                                        zorder=2))
+        start = self.places[i]
+        end = start + self.project(reach)
+        k, step = self.seen(np.minimum(start, end), np.maximum(start, end), far)
+        return self._add(LineCollection(np.stack([start[k] + step, end[k] + step], axis=1), linewidths=widths[k],
+                                        colors=_pale(np.asarray(colours)[k], far[k]), capstyle="round", zorder=2))
 
     def arrows(self, grains: Integers, vectors: Floats, colour: str, *, centred: bool = False,
                width: float = 0.8) -> Quiver:
         """Arrows [d] from grains, or centred on them. One that would cross a wall is moved along itself, and one that
         crosses a periodic edge comes in again. width: of a shaft [pt]."""
-        far = self.far(grains)
-        order = np.argsort(-far, kind="stable")
-        delta = self.project(vectors)[order]
-        start = self._inside(self.places[grains][order] - (0.5 * delta if centred else 0), delta)
-        k, step = self.images(np.minimum(start, start + delta), np.maximum(start, start + delta))
-        start = start[k] + step
+        far, delta = self.far(grains), self.project(vectors)
+        start = self._inside(self.places[grains] - (0.5 * delta if centred else 0), delta)
+        k, step = self.seen(np.minimum(start, start + delta), np.maximum(start, start + delta), far)
+        start, delta = start[k] + step, delta[k]
         return self._add(self.ax.quiver(
-            start[:, 0], start[:, 1], delta[k, 0], delta[k, 1], angles="xy", scale_units="xy", scale=1, units="inches",
-            width=width / 72, headwidth=3.6, headlength=4, headaxislength=3.6, minlength=0.1, minshaft=2,
-            color=_pale(np.array([to_rgb(colour)]), far[order[k]]), zorder=3))
+            *start.T, *delta.T, angles="xy", scale_units="xy", scale=1, units="inches", width=width / 72, headwidth=3.6,
+            headlength=4, headaxislength=3.6, minlength=0.1, minshaft=2, color=_pale(np.array([to_rgb(colour)]), far[k]),
+            zorder=3))
 
     def _inside(self, start: Floats, delta: Floats) -> Floats:
         clear = 1 / self.points

@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator, NullLocator
 
 from .._command import Failed, usage
 from .._core import Floats, invalid
-from ._frame import WIDTH, dash, figure, ink, legend, mark, new_figure, panels, points
+from ._frame import WIDTH, column_of_panels, dash, figure, ink, legend, mark, new_figure, panels, points
 from ._inputs import Input
 from ._units import label, number, plain, refuse, unit_text
 
@@ -113,8 +113,6 @@ class Tapped:
         return next((f"order (1) violated at {one[1]} of {one[2]} points" for one in found if one), "")
 
 
-
-
 # ---- the figure of each output --------------------------------------------------------------------------------------
 
 LINES_MOST = 40  # particles drawn
@@ -148,12 +146,6 @@ def column(given: Sequence[Input], *, ax: Any = None, column: str | None = None,
     draw = {"strobe": _strobe, "compare": _compare, "density": _density, "energy": _energy,
             "trajectory": _trajectory}[kinds[0]]
     return draw(tables[0], ax)
-
-
-def _tagged(axes: Sequence[Axes]) -> None:
-    """Letters of panels above their frames, where they hide no data."""
-    for ax, letter in zip(axes, "abcd"):
-        ax.set_title(f"({letter})", loc="left", fontsize=7, pad=3)
 
 
 def _shown(particles: int) -> range:
@@ -225,7 +217,7 @@ PROFILES, PROFILE_MARKS = 6, 40
 
 def _density(s: Tapped, ax: Any) -> Any:
     """Density along the column at rest and after taps, and of three particles against time."""
-    t, axes = s.time(), panels(2, 1, ax=ax, aspect=0.72)[:, 0]
+    t, axes = s.time(), column_of_panels(2, ax, 0.72, above=True)
     y = np.stack([s.y(k + 1) for k in range(s.particles)], axis=1)
     rho = np.stack([s[f"rho{k + 1}"] for k in range(s.particles)], axis=1)
     unit = unit_text(s.table.units["t"])
@@ -241,7 +233,6 @@ def _density(s: Tapped, ax: Any) -> Any:
     for one in axes:
         one.set_ylabel(s.label(r"density $\rho$", "rho1"))
         legend(one)
-    _tagged(axes)
     return axes
 
 
@@ -274,7 +265,7 @@ def _taps_axis(axes: Sequence[Axes], s: Tapped, taps: Floats) -> None:
 
 def _strobe(s: Tapped, ax: Any) -> Any:
     """Density and positions after each tap, these minus the first ones."""
-    taps, axes = s.time(), panels(2, 1, ax=ax, aspect=0.62)[:, 0]
+    taps, axes = s.time(), column_of_panels(2, ax, 0.62, above=True)
     few, shown, marked = s.particles <= NAMED_MOST, _shown(s.particles), len(taps) <= MARKED_MOST
     axes[0].plot(taps, s["density"], color=ink(1), marker="o" if marked else "")
     for k, particle in enumerate(shown):
@@ -291,12 +282,10 @@ def _strobe(s: Tapped, ax: Any) -> Any:
     axes[0].set_ylabel(s.label("density", "density"))
     axes[1].set_ylabel(s.label(f"$y - y$(tap {taps[0]:.0f})", "y1"))
     legend(axes[1])
-    _tagged(axes)
     return axes
 
 
-_ENERGIES = {"kept": ("work", "work \N{MINUS SIGN} dissipated"), "rest": ("rest", "at rest after"),
-             "separation": ("separation", r"least $y_{i+1} - y_i$")}
+_ENERGIES = {"work": "work \N{MINUS SIGN} dissipated", "rest": "at rest after", "separation": r"least $y_{i+1} - y_i$"}
 
 
 def _energy(s: Tapped, ax: Any) -> Any:
@@ -304,22 +293,19 @@ def _energy(s: Tapped, ax: Any) -> Any:
     so their difference is drawn, too."""
     taps, work, lost = s["tap"], s["work"], s["dissipated"]
     s.check_any("energy", taps + np.fmax(work, lost))
-    shown = {name: column for name, (column, _) in _ENERGIES.items() if column in s}
-    values = {name: work - lost if name == "kept" else s[column] for name, column in shown.items()}
-    values = {name: y for name, y in values.items() if np.isfinite(y).any()}
-    axes = panels(1 + len(values), 1, ax=ax, aspect=0.5)[:, 0]
+    values = {column: work - lost if column == "work" else s[column] for column in _ENERGIES if column in s}
+    values = {column: y for column, y in values.items() if np.isfinite(y).any()}
+    axes = column_of_panels(1 + len(values), ax, 0.5, above=True)
     marked = len(taps) <= MARKED_MOST
     axes[0].plot(taps, lost, color=ink(2), lw=2.6, marker="s" if marked else "", ms=5, mfc="white", label="dissipated")
     axes[0].plot(taps, work, color=ink(1), lw=0.8, marker="o" if marked else "", label="work of the floor")
     axes[0].set_ylabel(s.label("energy", "work"))
-    for one, (name, y) in zip(axes[1:], values.items()):
+    for one, (column, y) in zip(axes[1:], values.items()):
         one.plot(taps, y, color=ink(1), lw=0.8, marker="o" if marked else "")
         one.axhline(0, color="0.6", lw=0.5, zorder=0)
-        one.set_ylabel(s.label(_ENERGIES[name][1], _ENERGIES[name][0]))
+        one.set_ylabel(s.label(_ENERGIES[column], column))
     _taps_axis(axes, s, taps)
     legend(axes[0])
-    if len(axes) > 1:
-        _tagged(axes)
     return axes if len(axes) > 1 else axes[0]
 
 
@@ -336,15 +322,12 @@ def _diagram(bifurcation: Tapped | None, lyapunov: Tapped | None, column: str, a
         one.check_finite("parameter")
     parameters = [one["parameter"] for one in given]
     low, high = min(x.min() for x in parameters), max(x.max() for x in parameters)
-    axes, margin = panels(len(given), 1, ax=ax, aspect=0.66 if len(given) > 1 else 0.75)[:, 0], 0.015 * (high - low)
+    axes, margin = column_of_panels(len(given), ax, 0.66 if len(given) > 1 else 0.75, above=True), 0.015 * (high - low)
     for one, s, x in zip(axes, given, parameters):
         (_bifurcation if s is bifurcation else _exponents)(one, s, x, column)
         one.set(xlim=(low - margin, high + margin), xlabel=given[0].parameter())
     if not low < high:
-        raise refuse(given[0].one.name,
-                     f"nothing to draw: only one value of the parameter, {low:g}; must be two or more")
-    if len(given) > 1:
-        _tagged(axes)
+        raise refuse(given[0].one.name, f"nothing to draw: only one value of the parameter, {low:g}; must be two or more")
     notes = [one.violated() for one in given]
     if any(notes):
         each = [f"({letter}): {note}" for letter, note in zip("ab", notes) if note]
