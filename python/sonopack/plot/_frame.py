@@ -22,7 +22,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 from matplotlib.transforms import Bbox
 
 from .._command import usage, whole_file
@@ -72,7 +72,8 @@ def label_decades(ax: Axes) -> None:
     for axis in (axis for one in (ax, *ax.child_axes) for axis in (one.xaxis, one.yaxis) if axis.get_scale() == "log"):
         low, high = sorted(axis.get_view_interval())
         if low > 0 and high / low < (60 if axis.axes is ax else 25):
-            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            narrow = axis.axes is not ax and high / low < 3  # an inset, where a LogLocator would crowd numbers
+            axis.set_major_locator(MaxNLocator(3) if narrow else LogLocator(subs=(1, 2, 5)))
             axis.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
             axis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
 
@@ -104,14 +105,11 @@ def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0
     return axes
 
 
-def column_of_panels(rows: int, ax: Any, aspect: float, above: bool = False) -> npt.NDArray[Any]:
-    """Axes [rows] one above the other, with their letters in the corners, or above the frames."""
+def column_of_panels(rows: int, ax: Any, aspect: float) -> npt.NDArray[Any]:
+    """Axes [rows] one above the other, with their letters beside the corners, where they hide neither data nor legends."""
     axes: npt.NDArray[Any] = panels(rows, 1, ax=ax, aspect=aspect)[:, 0]
     for one, letter in zip(axes if rows > 1 else (), "abcd"):
-        if above:
-            one.set_title(f"({letter})", loc="left", fontsize=7, pad=3)
-        else:
-            one.text(0.02, 0.97, f"({letter})", transform=one.transAxes, va="top", ha="left", fontsize=8)
+        one.annotate(f"({letter})", (0, 1), (-5, 4), "axes fraction", "offset points", ha="right", va="bottom", fontsize=8)
     return axes
 
 
@@ -281,7 +279,7 @@ def apply_look(fig: Figure, title: str = "", x: Limits | None = None, y: Limits 
                linear: bool = False) -> None:
     """Title, limits and scales of the axes: x of all panels, y of the first. log: "x", "y" or "xy". linear: the others."""
     if title:
-        text = fig.suptitle("\n".join(textwrap.wrap(plain(title), int(13 * fig.get_figwidth()))))
+        text = fig.suptitle("\n".join(textwrap.wrap(plain(title), int(13 * fig.get_figwidth()))), fontsize=9)
         if fig.get_label() == "picture":  # whose views have a scale
             from ._view import grow
             grow(fig, 0.0, text.get_window_extent().height / fig.dpi + 0.06)

@@ -150,9 +150,10 @@ def names(data: Sequence[Input]) -> list[str]:
     settings = [{} if one.own_label is not None or one.is_packing else _settings(one.table) for one in data]
     keys = [key for key in settings[0] if all(key in other for other in settings)
             and len({other[key] for other in settings}) > 1]
-    told = [", ".join(_setting_text(key, other[key]) for key in keys) for other in settings]
-    if len(set(told)) < len(told):
-        told = [plain(one.stem()) for one in data]
+    for told in ([", ".join(_setting_text(key, other[key]) for key in keys) for other in settings],
+                 [plain(one.stem()) for one in data], [plain(one.path) for one in data]):
+        if len(set(told)) == len(told):
+            break
     return [plain(one.own_label) if one.own_label is not None else text for one, text in zip(data, told)]
 
 

@@ -217,7 +217,7 @@ PROFILES, PROFILE_MARKS = 6, 40
 
 def _density(s: Tapped, ax: Any) -> Any:
     """Density along the column at rest and after taps, and of three particles against time."""
-    t, axes = s.time(), column_of_panels(2, ax, 0.72, above=True)
+    t, axes = s.time(), column_of_panels(2, ax, 0.72)
     y = np.stack([s.y(k + 1) for k in range(s.particles)], axis=1)
     rho = np.stack([s[f"rho{k + 1}"] for k in range(s.particles)], axis=1)
     unit = unit_text(s.table.units["t"])
@@ -265,7 +265,7 @@ def _taps_axis(axes: Sequence[Axes], s: Tapped, taps: Floats) -> None:
 
 def _strobe(s: Tapped, ax: Any) -> Any:
     """Density and positions after each tap, these minus the first ones."""
-    taps, axes = s.time(), column_of_panels(2, ax, 0.62, above=True)
+    taps, axes = s.time(), column_of_panels(2, ax, 0.62)
     few, shown, marked = s.particles <= NAMED_MOST, _shown(s.particles), len(taps) <= MARKED_MOST
     axes[0].plot(taps, s["density"], color=ink(1), marker="o" if marked else "")
     for k, particle in enumerate(shown):
@@ -295,7 +295,7 @@ def _energy(s: Tapped, ax: Any) -> Any:
     s.check_any("energy", taps + np.fmax(work, lost))
     values = {column: work - lost if column == "work" else s[column] for column in _ENERGIES if column in s}
     values = {column: y for column, y in values.items() if np.isfinite(y).any()}
-    axes = column_of_panels(1 + len(values), ax, 0.5, above=True)
+    axes = column_of_panels(1 + len(values), ax, 0.5)
     marked = len(taps) <= MARKED_MOST
     axes[0].plot(taps, lost, color=ink(2), lw=2.6, marker="s" if marked else "", ms=5, mfc="white", label="dissipated")
     axes[0].plot(taps, work, color=ink(1), lw=0.8, marker="o" if marked else "", label="work of the floor")
@@ -322,7 +322,7 @@ def _diagram(bifurcation: Tapped | None, lyapunov: Tapped | None, column: str, a
         one.check_finite("parameter")
     parameters = [one["parameter"] for one in given]
     low, high = min(x.min() for x in parameters), max(x.max() for x in parameters)
-    axes, margin = column_of_panels(len(given), ax, 0.66 if len(given) > 1 else 0.75, above=True), 0.015 * (high - low)
+    axes, margin = column_of_panels(len(given), ax, 0.66 if len(given) > 1 else 0.75), 0.015 * (high - low)
     for one, s, x in zip(axes, given, parameters):
         (_bifurcation if s is bifurcation else _exponents)(one, s, x, column)
         one.set(xlim=(low - margin, high + margin), xlabel=given[0].parameter())

@@ -102,7 +102,7 @@ def test_energies(made):
     table = made(output="energy")
     axes = plot.column(table)
     assert np.array_equal(axes[1].lines[0].get_ydata(), table["work"] - table["dissipated"])
-    assert [ax.get_title(loc="left") for ax in axes] == ["(a)", "(b)", "(c)", "(d)"]
+    assert [ax.texts[0].get_text() for ax in axes] == ["(a)", "(b)", "(c)", "(d)"]
     assert axes[0].get_ylabel() == "energy  [erg]"
 
 
