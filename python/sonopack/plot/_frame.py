@@ -106,10 +106,10 @@ def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0
 
 
 def column_of_panels(rows: int, ax: Any, aspect: float) -> npt.NDArray[Any]:
-    """Axes [rows] one above the other, with their letters beside the corners, where they hide neither data nor legends."""
+    """Axes [rows] one above the other, with their letters above the frames, where they hide no data."""
     axes: npt.NDArray[Any] = panels(rows, 1, ax=ax, aspect=aspect)[:, 0]
     for one, letter in zip(axes if rows > 1 else (), "abcd"):
-        one.annotate(f"({letter})", (0, 1), (-5, 4), "axes fraction", "offset points", ha="right", va="bottom", fontsize=8)
+        one.annotate(f"({letter})", (0, 1), (0, 3), "axes fraction", "offset points", fontsize=7, gid="letter")
     return axes
 
 
@@ -253,15 +253,16 @@ def _above(ax: Axes, entries: list[Any], words: dict[str, Any]) -> Legend:
     words = {name: value for name, value in words.items() if name not in ("loc", "ncol", "bbox_to_anchor")}
     fig, frame = ax.figure, ax.get_window_extent()
     page, room = fig.bbox.width, frame.width
+    top = 1 + (13 * fig.dpi / 72 / frame.height if any(text.get_gid() == "letter" for text in ax.texts) else 0)
     for columns, width in ((4, 0), (3, 0), (2, 0), (1, 0), (1, 60), (1, 44), (1, 32), (1, 24)):
         if columns > len(entries):
             continue
         texts = ["\n".join(textwrap.wrap(one.get_label(), width)) if width else one.get_label() for one in entries]
-        box = ax.legend(handles=entries, labels=texts, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=columns,
+        box = ax.legend(handles=entries, labels=texts, loc="lower left", bbox_to_anchor=(0.0, top), ncol=columns,
                         **words)
         wide, tall = _size(box)
         if 1.02 * room < wide < 0.98 * page:  # it may begin left of the frame
-            box.set_bbox_to_anchor(((room - wide + 0.01 * page) / room, 1.0), transform=ax.transAxes)
+            box.set_bbox_to_anchor(((room - wide + 0.01 * page) / room, top), transform=ax.transAxes)
         if wide < 0.98 * page and wide - room < frame.x0:
             break
     if not getattr(ax, "_sonopack_grown", False):
