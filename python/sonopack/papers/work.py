@@ -121,8 +121,8 @@ def hypot(*values: float) -> float:
 # ---- progress and stopping ------------------------------------------------------------------------------------------
 
 class Watch:
-    """Progress on stderr: a line on a terminal, elsewhere a line for each step. SIGTERM and its like stop the work as
-    Ctrl-C does."""
+    """Progress on stderr: a line on a terminal, elsewhere a line for each step. Ctrl-C, SIGTERM and their like raise
+    KeyboardInterrupt; a second one ends the process at once."""
 
     SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU)
 
@@ -131,7 +131,13 @@ class Watch:
         self._step, self._shown, self._at = "", False, 0.0
         for each in self.SIGNALS:
             if signal.getsignal(each) is not signal.SIG_IGN:
-                signal.signal(each, signal.default_int_handler)
+                signal.signal(each, self._stop)
+
+    def _stop(self, number: int, _: Any) -> None:
+        signal.signal(number, signal.SIG_DFL)
+        self.clear()
+        note(self.arguments, "stopping; a second signal ends the command at once")
+        raise KeyboardInterrupt
 
     @property
     def seconds(self) -> float:
