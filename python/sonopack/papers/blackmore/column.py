@@ -58,14 +58,9 @@ def make_errata(work: Work, tell: Tell) -> None:
     work.say("errata", _COLUMNS)
     _taps(work, five)
     _rest(work, five)
-    _frequencies(work, five)
-    _step(work, five)
     _long_wave(work, ten)
-    _continuity(work)
     _bsr(work, ten)
 
-
-# ---- the lattice ----------------------------------------------------------------------------------------------------
 
 def _overlap(c: Column, y: Floats, contact: int) -> float:
     h = 2 * c.radius()
@@ -79,11 +74,6 @@ def _acceleration(c: Column, y: Floats, particle: int) -> float:
     return -GRAVITY + c.stiffness / c.mass() * (_overlap(c, y, particle - 1) - _overlap(c, y, particle))
 
 
-def _printed_middle(c: Column, y: Floats, particle: int) -> float:
-    """The middle line of (24) as printed, where its two brackets are multiplied."""
-    return -GRAVITY - c.stiffness / c.mass() * _overlap(c, y, particle) * _overlap(c, y, particle - 1)
-
-
 def _taps(work: Work, five: Column) -> None:
     run = column(5, period=0.5).run([])
     add(work, "order", run.taps[3].separation, contact=run.violated, t=run.violated_at)
@@ -94,29 +84,23 @@ def _taps(work: Work, five: Column) -> None:
 
 
 def _rest(work: Work, c: Column) -> None:
-    """(24) to (28): the column at rest."""
+    """(24) to (31): the column at rest, and its taps."""
     n, r, m, y = c.particles, c.radius(), overlap(c), c.rest()
-    add(work, "middle", _acceleration(c, y, 3), 1e-9 * GRAVITY, paper=_printed_middle(c, y, 3))
+    # the middle line of (24) as printed, where its two brackets are multiplied
+    printed = -GRAVITY - c.stiffness / c.mass() * _overlap(c, y, 3) * _overlap(c, y, 2)
+    add(work, "middle", _acceleration(c, y, 3), 1e-9 * GRAVITY, paper=printed)
     add(work, "unknowns", n, paper=n - 1)
     add(work, "top", _overlap(c, y, 4), paper=2 * r - ((2 * n - 1) * r - 0.5 * ((n - 1) * n + 2) * m - float(y[3])))
     add(work, "source", 28)
-
-
-def _frequencies(work: Work, five: Column) -> None:
-    """omega = 2 pi Gamma mistakes the acceleration Gamma = a omega^2/g for a frequency."""
-    for key, printed in (("hertz-5", 2.4019), ("hertz-10", 3.8476)):
-        ours = math.sqrt(printed * GRAVITY / AMPLITUDE) / (2 * math.pi)
-        add(work, key, ours, 0.5e-4 / printed * ours / 2)  # half of the last digit of Gamma
-    add(work, "period", five.period)
-
-
-def _step(work: Work, c: Column) -> None:
-    """The upper contact is just open; the lower one carries three particles, as at rest."""
+    # omega = 2 pi Gamma mistakes the acceleration Gamma = a omega^2/g for a frequency
+    for key, gamma in (("hertz-5", 2.4019), ("hertz-10", 3.8476)):
+        ours = math.sqrt(gamma * GRAVITY / AMPLITUDE) / (2 * math.pi)
+        add(work, key, ours, 0.5e-4 / gamma * ours / 2)  # half of the last digit of Gamma
+    add(work, "period", c.period)
     add(work, "alphas", 2)
+    # the upper contact is just open; the lower one carries three particles, as at rest
     add(work, "open", -GRAVITY + c.stiffness / c.mass() * 3 * overlap(c), paper=-GRAVITY)
 
-
-# ---- the continua ---------------------------------------------------------------------------------------------------
 
 def _long_wave(work: Work, c: Column) -> None:
     r, unit = c.radius(), speed2(c)
@@ -126,11 +110,8 @@ def _long_wave(work: Work, c: Column) -> None:
     add(work, "sign", of35, paper=of37)
     add(work, "closed", 0.5, paper=of35)
     add(work, "start", 0, paper=_acceleration(c, c.rest() * 0 + [(2 * i + 1) * r for i in range(c.particles)], 1))
-
-
-def _continuity(work: Work) -> None:
-    """y = (1 + s t) z with mass m/h per label: the density at a label is m/(h (1 + s t)). (41) mixes rho_z at fixed
-    places with y of labels, and gives exp(-s t)."""
+    # y = (1 + s t) z with mass m/h per label: the density at a label is m/(h (1 + s t)). (41) mixes rho_z at fixed
+    # places with y of labels, and gives exp(-s t)
     add(work, "stretched", 0.5, paper=math.exp(-1))
     add(work, "data", 42)
     add(work, "integrand", 0)

@@ -311,16 +311,6 @@ def _trend(work: Work, n: int) -> None:
 
 # ---- Section 4 ------------------------------------------------------------------------------------------------------
 
-@dataclasses.dataclass(frozen=True)
-class Grid:
-    """A grid for the ten particles of Fig. 1, 20 cm high."""
-
-    cells: int
-    dz: float
-    dt: float
-    steps: int
-
-
 def _rate(c: Column, e: float, dz: float, y: Floats, v: Floats) -> Floats:
     """Right-hand side of (37) with (38), by central differences at the nodes 2 .. cells - 2; v: velocities."""
     r = c.radius()
@@ -336,31 +326,32 @@ def _rate(c: Column, e: float, dz: float, y: Floats, v: Floats) -> Floats:
     return -GRAVITY - speed2(c) * bracket
 
 
-def _breakdown(g: Grid, e: float) -> float:
-    """The time at which the scheme with dissipation e in (37) breaks down: a point is farther away than 10 m, or the
-    end. It begins from (39); above the top of the lattice the force is zero."""
+def _breakdown(cells: int, dz: float, dt: float, steps: int, e: float) -> float:
+    """The time at which the scheme with dissipation e in (37) breaks down on a grid for the ten particles of Fig. 1, 20 cm
+    high: a point is farther away than 10 m, or the end. It begins from (39); above the top of the lattice the force is
+    zero."""
     c = column(10)
-    tops = c.run(np.arange(g.steps) * g.dt).y[:, 10] + 1
-    places = g.dz * np.arange(g.cells + 1)
-    y, old, v = places.copy(), places.copy(), np.zeros(g.cells + 1)
-    for k in range(g.steps):
-        t = (k + 1) * g.dt
-        force = np.full(g.cells + 1, -GRAVITY)
+    tops = c.run(np.arange(steps) * dt).y[:, 10] + 1
+    places = dz * np.arange(cells + 1)
+    y, old, v = places.copy(), places.copy(), np.zeros(cells + 1)
+    for k in range(steps):
+        t = (k + 1) * dt
+        force = np.full(cells + 1, -GRAVITY)
         inside = places[2:-2] < tops[k]
         with np.errstate(over="ignore", invalid="ignore"):
-            force[2:-2] = np.where(inside, _rate(c, e, g.dz, y, v), -GRAVITY)
-            after = 2 * y - old + g.dt * g.dt * force
+            force[2:-2] = np.where(inside, _rate(c, e, dz, y, v), -GRAVITY)
+            after = 2 * y - old + dt * dt * force
         after[0] = c.floor(t)[0]
-        after[1] = after[0] + g.dz  # no gravity at the floor, which moves this node
+        after[1] = after[0] + dz  # no gravity at the floor, which moves this node
         if not np.all(np.abs(after) < 1e3):
             return t
-        v, old, y = (after - y) / g.dt, y, after
-    return g.steps * g.dt
+        v, old, y = (after - y) / dt, y, after
+    return steps * dt
 
 
 def _hybrids(work: Work) -> None:
     """With the paper's steps, and with stable steps. In the latter case the time does not depend on the grid, so it is
     the equation that breaks down. (With dissipation it does so earlier on finer grids.)"""
-    add(work, "hybrid-printed", _breakdown(Grid(2000, 0.01, 0.01, 400), RESTITUTION))
-    coarse, fine = _breakdown(Grid(100, 0.2, 1e-5, 2000), 0.0), _breakdown(Grid(200, 0.1, 1e-5, 2000), 0.0)
+    add(work, "hybrid-printed", _breakdown(2000, 0.01, 0.01, 400, RESTITUTION))
+    coarse, fine = _breakdown(100, 0.2, 1e-5, 2000, 0.0), _breakdown(200, 0.1, 1e-5, 2000, 0.0)
     add(work, "hybrid-stable", fine, abs(fine - coarse) + 1e-5)

@@ -3,14 +3,11 @@ from __future__ import annotations
 
 import argparse
 import functools
-import itertools
 import math
 import os
 from collections.abc import Callable, Iterator
 
 from ..._command import Failed
-from ..._core import text_of
-from ..._native import ffi, lib
 from ..._network import Network
 from ..._packing import Packing
 from ..._records import StudyProgress
@@ -52,17 +49,6 @@ def scene(ensemble: str, samples: int, protocol: str, want: set[str]) -> Scene:
     return Scene.parse(row["scene"], keys, row["name"])
 
 
-def names_of(study_scene: Scene) -> Iterator[str]:
-    """Names of all samples of a study: for each combination, those of its seeds."""
-    one, name = ffi.new("sp_scene *"), ffi.new("char[]", lib.SP_NAME_MAX)
-    seeds = int(study_scene._c.samples)
-    combinations = study_scene.samples // seeds
-    for combination, seed in itertools.product(range(combinations), range(seeds)):
-        lib.sp_study_scene(study_scene._c, combination + seed * combinations, one, ffi.NULL)
-        lib.sp_sample_name(one, name)
-        yield text_of(name)
-
-
 class SomfaiWork(Work):
     """The work on the paper. sets: samples of each ensemble whose packing could be made."""
 
@@ -102,10 +88,9 @@ class SomfaiWork(Work):
                        self._cost(ensemble) / everything)
             done += self._cost(ensemble)
         self.done = done / everything
-        found = {sample.name: sample for sample in store.samples()  # whose packings could be made
-                 if os.path.exists(os.path.join(self.folder_of_store, f"{sample.name}.h5"))}
         for ensemble, own in scenes.items():
-            self.sets[ensemble] = [found[name] for name in names_of(own) if name in found]
+            self.sets[ensemble] = [sample for sample in store.samples(own)
+                                   if os.path.exists(os.path.join(self.folder_of_store, f"{sample.name}.h5"))]
 
     def _make(self, store: Store, own: Scene, name: str, begin: float, share: float) -> None:
         computed, failed = self.computed, self.failed
@@ -117,7 +102,6 @@ class SomfaiWork(Work):
         study(own, store, jobs=self.jobs, threads=self.threads, progress=watch)
 
     def tell(self, what: str, fraction: float) -> None:
-        """Progress."""
         more = f", {self.computed} samples computed" + (f", {self.failed} failed" if self.failed else "")
         self.watch.tell(what, fraction, more)
 
