@@ -11,17 +11,15 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, LogNorm, Normalize, to_rgb
 
-from .. import _core
-from .._core import Floats, SonopackError, call, invalid
-from .._native import ffi, lib
+from .._core import Floats, invalid
+from .._native import lib
 from .._network import Network
 from .._packing import Packing
 from .._records import Material
 from .._scene import Scene
 from .._sensitivity import Gradient
-from .._table import Table
 from ._frame import WIDTH, dash, figure, ink, key, legend, panels
-from ._inputs import Input, network_of
+from ._inputs import Input, contact_histogram, network_of
 from ._units import FORCE, PRESSURE, SPEED, TIME, label, number, refuse, to_si, unit_text
 from ._view import EARLIER, GRAIN, LATER, RATTLER, RIM, SIGNED, add_bar, finish, key_below, picture, views
 
@@ -254,15 +252,7 @@ def _counted(given: Sequence[Input], scene: Scene | None, make: Any) -> Input:
     """The table that is given, or the counts of all packings."""
     if len(given) == 1 and not given[0].is_packing and not hasattr(given[0].source, "packing"):
         return given[0]
-    counts = ffi.new("sp_contact_counts *")
-    for one in given:
-        try:
-            call(lib.sp_contact_counts_add, counts, packing_of(one)._c, threshold_of(scene), BULK)
-        except SonopackError as fault:
-            raise refuse(one.name, str(fault)) from None
-    table = _core.new("sp_table", lib.sp_table_free, lib.sp_table_none)
-    call(make, counts, table)
-    return Input(Table(table))
+    return Input(contact_histogram(make, ((one.name, packing_of(one)) for one in given), threshold_of(scene), BULK))
 
 
 # ---- directions -----------------------------------------------------------------------------------------------------

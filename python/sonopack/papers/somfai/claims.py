@@ -31,8 +31,10 @@ def _add_mean(work: SomfaiWork, row: Published) -> None:
     p, sd, of = float(row["p"]), number(row["sd"]), member(row["ours"])
     parts = " ".join(dict.fromkeys(word.split(".")[0] for word in row["ours"].split(" / ")))
     values = [of(sample) for sample in work.some("square", p, parts=f"statics {parts}")]
-    work.add(mean_of(Row(row["item"], row["quantity"], p=p, paper=float(row["paper"]), paper_sd=sd,
-                         digit=float(row["digit"]), scatter="ours" if math.isnan(sd) else "paper"), values))
+    mean = mean_of(values)
+    work.add(Row(row["item"], row["quantity"], p=p, paper=float(row["paper"]), paper_sd=sd, digit=float(row["digit"]),
+                 scatter="ours" if math.isnan(sd) else "paper", samples=mean.n, ours=mean.mean, ours_sd=mean.sd,
+                 err=mean.err))
     _say_far_off(work, row["item"], f"{row['quantity']} at p = {p:g}", values)
 
 
@@ -153,10 +155,6 @@ def _forces(work: SomfaiWork) -> None:
 
 # ---- fronts ---------------------------------------------------------------------------------------------------------
 
-def _ratio_err(ratio: float, a: float, a_err: float, b: float, b_err: float) -> float:
-    return abs(ratio) * hypot(a_err / a, b_err / b)
-
-
 def _speed_between(low: Distance, high: Distance) -> tuple[float, float]:
     """Speed between two heights from t10, and its error."""
     time = high.t10.mean - low.t10.mean
@@ -172,7 +170,7 @@ def _large_scale(work: SomfaiWork) -> None:
         near, near_err = _speed_between(found[by_grains[200]], found[by_grains[600]])
         far, far_err = _speed_between(*found[-2:])
         ours = near / far
-        error = _ratio_err(ours, near, near_err, far, far_err)
+        error = abs(ours) * hypot(near_err / near, far_err / far)
     work.claim("large-scale", ours, error)
 
 

@@ -14,21 +14,13 @@ from ..._records import Front
 from ..._signal import front
 from ..sheet import Curve, Panel, Sheet
 from ..work import hypot, total
-from .rows import Row, mean_of
+from .rows import Mean, mean_of
 from .samples import SomfaiWork, member
 
 #: distances of boxes: ensembles with numbers of grains
 _BOXES = (("short", 100), ("low", 200), ("short", 400), ("square", 600), ("tall", 1200), ("tallest", 2400))
 MARKS = ("t10", "t_peak", "t_zero")
 TIME_AXIS = "time |t|  [|d| (|ρ|/|E|*)^{1/2}]"
-
-
-@dataclasses.dataclass(frozen=True)
-class Mean:
-    """A mean with its standard error."""
-
-    mean: float
-    err: float
 
 
 @dataclasses.dataclass(frozen=True)
@@ -51,10 +43,8 @@ def _distances(work: SomfaiWork, all_: Sequence[tuple[str, int]]) -> list[Distan
     for ensemble, grains in all_:
         some = work.some(ensemble, 1e-4, grains, "front")
         if some:
-            means = [mean_of(Row("", ""), map(member(f"front.{name}"), some))
-                     for name in (*MARKS, "amplitude", "width")]
-            height = mean_of(Row("", ""), [sample.height for sample in some]).ours
-            out.append(Distance(ensemble, grains, height, *(Mean(row.ours, row.err) for row in means)))
+            means = [mean_of(map(member(f"front.{name}"), some)) for name in (*MARKS, "amplitude", "width")]
+            out.append(Distance(ensemble, grains, mean_of(sample.height for sample in some).mean, *means))
     return out
 
 
@@ -188,8 +178,7 @@ def _draw_arrivals(work: SomfaiWork, item: str, found: Sequence[Distance], lines
     for k, name in enumerate(MARKS):
         means = [getattr(d, name) for d in found]
         curves.append(Curve(distance, np.array([m.mean for m in means]), LABELS[k],
-                            error=np.array([m.err for m in means]),
-                            ink=k + 1, dash=None, mark=SHAPES[k], open=True))
+                            error=np.array([m.err for m in means]), ink=k + 1, dash=None, mark=SHAPES[k], open=True))
     for (name, most), own, dash in zip(FITS, lines, (0, 1)):
         some = fitted(found, most)
         if math.isfinite(own.slope):
@@ -301,8 +290,7 @@ def _panel(k: int, systems: Sequence[Scaling]) -> Panel:
         small.append(Curve(s.distance, s.value / s.value[0], **{**words, "label": ""},
                            error=None if plain else s.err / s.value[0]))
     inset = Panel(small, "|L| [|d|]", _AXES[k][0], log="xy")
-    return Panel(main, "distance |L| [|d|]", _AXES[k][1], tag="(a)(b)"[3 * k:3 * k + 3], log="x", x=(3, 1000),
-                 y=(0, None),
+    return Panel(main, "distance |L| [|d|]", _AXES[k][1], tag=("(a)", "(b)")[k], log="x", x=(3, 1000), y=(0, None),
                  inset=inset)
 
 

@@ -7,14 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from ..._core import Floats, Refused, Status, call, new
+from ..._core import Floats, Refused, Status
 from ..._modes import Modes
-from ..._native import ffi, lib
+from ..._native import lib
 from ..._network import Network
 from ..._packing import Packing
 from ..._signal import Signal, front
 from ..._study import Sample
 from ..._table import Table
+from ...plot._inputs import contact_histogram
 from ..sheet import Curve, Panel, Sheet
 from .fronts import TIME_AXIS, front_of, rms_after
 from .samples import SomfaiWork
@@ -23,18 +24,11 @@ THRESHOLD = 1e-4  # least force of a contact that carries load [p d^2]
 TIME = 80.0       # of the snapshot in the paper
 
 
-def _counts(work: SomfaiWork, margin: float) -> Any:
-    """Histograms of the contacts of all packings at p = 1e-4."""
-    counts = ffi.new("sp_contact_counts *", lib.sp_contact_counts_none())
-    for _, packing, _ in work.walk("square", 1e-4):
-        call(lib.sp_contact_counts_add, counts, packing._c, THRESHOLD, margin)
-    return counts
-
-
-def _histogram(function: Any, counts: Any) -> Table:
-    table = new("sp_table", lib.sp_table_free, lib.sp_table_none)
-    call(function, counts, table)
-    return Table(table)
+def _histogram(work: SomfaiWork, make: Any, margin: float) -> tuple[Table, str]:
+    """A histogram of the contacts of all packings at p = 1e-4, and how many there are."""
+    packings = [(sample.name, packing) for sample, packing, _ in work.walk("square", 1e-4)]
+    table = contact_histogram(make, packings, THRESHOLD, margin)
+    return table, f"{table.number('contacts'):.0f} contacts of {len(packings)} packings"
 
 
 # ---- Fig. 1 ---------------------------------------------------------------------------------------------------------
@@ -45,12 +39,11 @@ def make_networks(work: SomfaiWork, item: str) -> None:
               packing)
     work.draw(item, "fig1b", "(b) Normal stiffnesses of the same contacts.", "stiffness", packing)
     work.save_table("fig1ab", _links(packing, network))
-    counts = _counts(work, 0.0)
-    table = _histogram(lib.sp_contact_values_table, counts)
+    table, many = _histogram(work, lib.sp_contact_values_table, 0.0)
     work.draw(item, "fig1c", "(c) Histograms of the normal forces and stiffnesses of all contacts that carry, over "
                              "their means; equal areas.", "forces", table)
     work.save_table("fig1c", table)
-    work.say(item, f"Over {counts.contacts:.0f} contacts of {counts.packings} packings the forces scatter by "
+    work.say(item, f"Over {many} the forces scatter by "
                    f"{100 * _spread(table, 'forces'):.0f}% of their mean and the stiffnesses by "
                    f"{100 * _spread(table, 'stiffnesses'):.0f}%: k_n goes as F_n^(1/3).")
 
@@ -77,11 +70,10 @@ def _spread(table: Table, name: str) -> float:
 # ---- Fig. 2 ---------------------------------------------------------------------------------------------------------
 
 def make_directions(work: SomfaiWork, item: str) -> None:
-    counts = _counts(work, 3.0)
-    table = _histogram(lib.sp_contact_angles_table, counts)
+    table, many = _histogram(work, lib.sp_contact_angles_table, 3.0)
     work.draw(item, "fig2", "Directions of contacts that carry, at least three diameters from both walls: all, those "
                             "with forces above the mean (strong), and the others (weak).", "angles", table)
-    work.say(item, f"{counts.contacts:.0f} contacts of {counts.packings} packings. The mean of 2 n_y^2 - 1, 0 without "
+    work.say(item, f"{many}. The mean of 2 n_y^2 - 1, 0 without "
                    f"anisotropy, is {_upright(table, 'all'):+.3f} for all, {_upright(table, 'strong'):+.3f} for strong "
                    f"and {_upright(table, 'weak'):+.3f} for weak contacts.")
     work.save_table("fig2", table)

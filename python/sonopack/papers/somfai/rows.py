@@ -5,7 +5,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -92,13 +92,22 @@ def _of_claim(row: Row) -> str:
     return "holds" if inside >= 0 else "contradicted"
 
 
-def mean_of(row: Row, values: Iterable[float]) -> Row:
-    """The row with mean, standard deviation and standard error of values. Those that are not finite are left out."""
+class Mean(NamedTuple):
+    """Mean, standard deviation and standard error of values."""
+
+    n: int
+    mean: float
+    sd: float
+    err: float
+
+
+def mean_of(values: Iterable[float]) -> Mean:
+    """Of values, without those that are not finite."""
     known = [float(value) for value in values if math.isfinite(value)]
     n = len(known)
     mean = total(known) / n if n else math.nan
     sd = math.sqrt(total((x - mean) * (x - mean) for x in known) / (n - 1)) if n > 1 else math.nan
-    return dataclasses.replace(row, samples=n, ours=mean, ours_sd=sd, err=sd / math.sqrt(n) if n > 1 else math.nan)
+    return Mean(n, mean, sd, sd / math.sqrt(n) if n > 1 else math.nan)
 
 
 class Sum:

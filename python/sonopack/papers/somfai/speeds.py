@@ -10,12 +10,11 @@ import numpy as np
 from ..._chain import chain_airy, chain_front, chain_signal
 from ..._core import Floats, call
 from ..._native import ffi, lib
-from ..._network import Network
 from ..._packing import TOP
 from ..._study import Store
 from ..sheet import Curve, Panel, Sheet
-from ..work import hypot
-from .rows import Row, mean_of
+from ..work import hypot, total
+from .rows import mean_of
 from .samples import PRESSURES, SomfaiWork, member
 
 NAMES = ("smooth", "friction")
@@ -97,9 +96,8 @@ def _front_speeds(work: SomfaiWork) -> Speeds:
 
 
 def _wave_speeds(work: SomfaiWork, name: str) -> Speeds:
-    means = [(p, mean_of(Row("", ""), map(member(f"moduli.{name}"), work.some("square", p, parts="moduli"))))
-             for p in PRESSURES]
-    return Speeds.of([(p, row.ours, row.err) for p, row in means])
+    means = [(p, mean_of(map(member(f"moduli.{name}"), work.some("square", p, parts="moduli")))) for p in PRESSURES]
+    return Speeds.of([(p, mean.mean, mean.err) for p, mean in means])
 
 
 # ---- rows -----------------------------------------------------------------------------------------------------------
@@ -175,42 +173,23 @@ ROWS = 20
 LOW, HIGH = -2.5, 5.0  # range of (t - N)/N^(1/3)
 
 
-@dataclasses.dataclass(frozen=True)
-class Lattice:
-    """The lattice as a chain: a row of M grains is a ball, the two contacts of each grain with the next row its spring.
-    mass, spring and wall: of a grain. x = (t - N)/N^(1/3), y = F N^(2/3): its front in the units of the chain."""
-
-    mass: float
-    spring: float
-    wall: float
-    row: int
-    x: Floats
-    y: Floats
-
-
 def _cube(n: float) -> float:
     return float(np.cbrt(float(n)))
 
 
-def _measured(network: Network) -> tuple[float, float, float, int]:
-    s = network.springs
-    tops = s["j"] == TOP
-    up = (s["j"] >= 0) & (np.abs(s["n"][:, 1]) > 0.5)
-    spring = 0.0
-    for k in np.flatnonzero(up):
-        spring += 2 * float(s["kn"][k]) * float(s["n"][k, 1]) * float(s["n"][k, 1])
-    return float(network.mass.ravel()[0]), spring / int(up.sum()), float(s["kn"][tops][-1]), int(tops.sum())
-
-
-def _lattice(work: SomfaiWork) -> Lattice:
-    """That without friction; the first row starts with k_wall/m, the first ball of the chain with velocity 1."""
+def _lattice(work: SomfaiWork) -> tuple[float, Floats, Floats]:
+    """The lattice without friction as a chain: a row of grains is a ball, the two contacts of each grain with the next row
+    its spring; the first row starts with k_wall/m, the first ball of the chain with velocity 1. The walls' springs over
+    those between rows; x = (t - N)/N^(1/3), y = F N^(2/3): its front in the units of the chain."""
     network = next(each for sample, _, each in work.walk("lattice-long", 5e-7, 24 * ROWS) if not sample.friction > 0)
-    mass, spring, wall, row = _measured(network)
-    unit, third = math.sqrt(mass / spring), _cube(ROWS)
+    s, third, mass = network.springs, _cube(ROWS), float(network.mass.ravel()[0])
+    tops, up = s["j"] == TOP, np.flatnonzero((s["j"] >= 0) & (np.abs(s["n"][:, 1]) > 0.5))
+    spring = total(2 * float(s["kn"][k]) * float(s["n"][k, 1]) * float(s["n"][k, 1]) for k in up) / len(up)
+    wall, unit = float(s["kn"][tops][-1]), math.sqrt(mass / spring)
     signal = network.signal(method="chebyshev", until=(ROWS + HIGH * third) * unit, points=81)
     x = (signal.t / unit - ROWS) / third
-    y = signal.F / row * mass / (wall * spring * unit) * third * third
-    return Lattice(mass, spring, wall, row, x[x >= LOW], y[x >= LOW])
+    y = signal.F / int(tops.sum()) * mass / (wall * spring * unit) * third * third
+    return wall / spring, x[x >= LOW], y[x >= LOW]
 
 
 def _chain(n: int, x: Floats, wall: float = 1.0) -> Floats:
@@ -219,31 +198,31 @@ def _chain(n: int, x: Floats, wall: float = 1.0) -> Floats:
 
 
 def make_chains(work: SomfaiWork, item: str) -> None:
-    l = _lattice(work)
-    row = work.state("wall", l.wall / l.spring, 0.0)
-    if abs(l.spring / l.wall - row.paper) < row.paper_sd:
-        work.say(item, f"The walls' springs are {l.wall / l.spring:.3f} times as stiff as those between rows, which is "
-                       f"Hertz's law for rigid walls; the number in the paper is the inverse, {l.spring / l.wall:.3f}.")
+    wall, x, y = _lattice(work)
+    row = work.state("wall", wall, 0.0)
+    if abs(1 / wall - row.paper) < row.paper_sd:
+        work.say(item, f"The walls' springs are {wall:.3f} times as stiff as those between rows, which is "
+                       f"Hertz's law for rigid walls; the number in the paper is the inverse, {1 / wall:.3f}.")
     limit = float(lib.sp_chain_limit_of(lib.SP_CHAIN_VELOCITY).height)
     for n in BALLS:
         below = 100 * (1 - chain_front(n).amplitude * math.pow(n, 2.0 / 3) / limit)
         work.say(item, f"Chain of {n} balls: the first peak's height times N^(2/3) is {below:.2f}% below its limit.")
-    mapped = _chain(ROWS, l.x, l.wall / l.spring)
-    apart = float(np.max(np.abs(mapped - l.y)) / np.max(np.abs(mapped)))
+    mapped = _chain(ROWS, x, wall)
+    apart = float(np.max(np.abs(mapped - y)) / np.max(np.abs(mapped)))
     work.say(item, f"The lattice of {ROWS} rows, its first row as fast as the chain's first ball, has the signal of a "
                    f"chain of {ROWS} balls with such walls, to {apart:.1g} of the largest value shown: its front is "
                    "lower and earlier than that of a chain whose springs are all equal.")
     if work.folder:
-        _draw_chains(work, item, l)
+        _draw_chains(work, item, wall, x, y)
 
 
-def _draw_chains(work: SomfaiWork, item: str, l: Lattice) -> None:
+def _draw_chains(work: SomfaiWork, item: str, wall: float, at: Floats, lattice: Floats) -> None:
     x = np.array([LOW + (HIGH - LOW) * k / 400 for k in range(401)])
     far = 1000000000
     curves = [Curve(x, chain_airy(far, far + x * _cube(far)) * (_cube(far) * _cube(far)), "Airy, Eq. (16)", width=1.8)]
     curves += [Curve(x, _chain(n, x), f"chain, |N| = {n}", ink=k + 1, dash=(2, 3, 1)[k]) for k, n in enumerate(BALLS)]
-    curves.append(Curve(x, _chain(ROWS, x, l.wall / l.spring), ink=1, width=0.7))
-    curves.append(Curve(l.x, l.y, "lattice, 20 rows", ink=1, dash=None, mark="o", open=True))
+    curves.append(Curve(x, _chain(ROWS, x, wall), ink=1, width=0.7))
+    curves.append(Curve(at, lattice, "lattice, 20 rows", ink=1, dash=None, mark="o", open=True))
     panel = Panel(curves, "(|ct|/|ℓ| − |N|) / |N|^{1/3}", "|F| |N|^{2/3} / |Kℓ|", x=(LOW, HIGH), zero=True)
     work.draw_sheet(item, "fig12",
                     "Force of the last ball on its wall after a velocity of the first (A), against the time after N "
