@@ -27,8 +27,10 @@ from matplotlib.transforms import Bbox
 
 from .._command import usage, whole_file
 from .._core import Floats, invalid
+from .._records import Material
 from ._inputs import inputs
 from ._units import number, plain
+from .kinds import KINDS
 
 #: the style of all figures: matplotlib.style.use(sonopack.plot.STYLE)
 STYLE = str(pathlib.Path(__file__).with_name("sonopack.mplstyle"))
@@ -56,14 +58,17 @@ def styled(draw: _F) -> _F:
 
 def figure(draw: Callable[..., Any]) -> Callable[..., Any]:
     """A kind of figure: the function gets the Inputs of its data in place of these, and is drawn with the style."""
-    own = inspect.signature(draw)
+    own, named = inspect.signature(draw), KINDS[draw.__name__].labels
 
     @functools.wraps(draw)
-    def with_inputs(*data: Any, labels: Sequence[str] | None = None, material: Any = None, **words: Any) -> Any:
+    def with_inputs(*data: Any, labels: Sequence[str] | None = None, material: Material | None = None, **words: Any) -> Any:
+        if labels is not None and not named:
+            raise invalid("labels", f"a figure of {draw.__name__} has no legend of data")
         return styled(draw)(inputs(data, labels, material), **words)
     some = inspect.signature(with_inputs, follow_wrapped=False).parameters
-    kinds = [some["data"], some["labels"], some["material"], *list(own.parameters.values())[1:]]
-    with_inputs.__signature__ = own.replace(parameters=kinds)  # type: ignore[attr-defined]
+    words = [some[name] for name in ("data", "labels", "material") if named or name != "labels"]
+    with_inputs.__signature__ = own.replace(  # type: ignore[attr-defined]
+        parameters=[*words, *list(own.parameters.values())[1:]])
     return with_inputs
 
 
