@@ -1,33 +1,66 @@
-"""Errors of the paper: for each the value that follows from the print, and the correct one, both computed."""
+"""The columns of the paper, and its errors: for each the value that follows from the print, and the correct one, both
+computed."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from typing import Any
 
-from ..._column import Column
+from ..._column import Column, ColumnRun
 from ..._core import Floats
-from ..work import Work, total
-from .paper_column import AMPLITUDE, GRAVITY, coefficients, column, overlap, speed2
+from ..work import Tell, Work, total
 from .rows import add
+
+#: of the paper: gravity [cm/s^2], amplitude [cm], restitution
+GRAVITY, AMPLITUDE, RESTITUTION = 980.67, 1.06, 0.09
+
+
+def column(particles: int, **keys: Any) -> Column:
+    """The column of Fig. 1: 5 particles at 7.5 Hz or 10 at 9.5 Hz, T = 1 s, four taps, with other keys."""
+    return Column(**{"particles": particles, "frequency": 9.5 if particles == 10 else 7.5, "taps": 4, **keys})
+
+
+def overlap(c: Column) -> float:
+    """m g/K, the overlap that supports one particle [cm]."""
+    return c.mass() * GRAVITY / c.stiffness
+
+
+def speed2(c: Column) -> float:
+    """K h^2/m, the unit of squared speeds [cm^2/s^2]."""
+    h = 2 * c.radius()
+    return c.stiffness * h * h / c.mass()
+
+
+def separation(run: ColumnRun) -> float:
+    """The smallest separation in any tap [cm]."""
+    return min(tap.separation for tap in run.taps)
+
+
+def stiff(times: float) -> float:
+    """K = times m g/r, of particles of unit mass and radius [g/s^2]."""
+    return times * 1.0 * GRAVITY / 1.0
+
+
+def coefficients(r: float, alpha: float) -> tuple[float, float, float]:
+    """The coefficients (36) and (38) for sigma = tanh(alpha s): A(+), A(-), B."""
+    cubed = 16 * math.pow(r * alpha, 3)
+    return 1.5 + 6 * r * alpha - cubed, 1.5 + 6 * r * alpha + cubed, alpha * (1 - 8 * r * r * alpha * alpha)
+
+
+# ---- errata ---------------------------------------------------------------------------------------------------------
 
 _COLUMNS = (
     "In the column of the paper stands what is printed, or what a printed equation gives when it is evaluated; in ours "
     "the value that is right. Values are for the columns of Fig. 1.")
 
 
-def make(work: Work, tell: Callable[[float], None]) -> None:
+def make_errata(work: Work, tell: Tell) -> None:
     five, ten = column(5), column(10)
     work.say("errata", _COLUMNS)
     _taps(work, five)
     _rest(work, five)
-    _frequencies(work, five)
-    _step(work, five)
     _long_wave(work, ten)
-    _continuity(work)
     _bsr(work, ten)
 
-
-# ---- the lattice ----------------------------------------------------------------------------------------------------
 
 def _overlap(c: Column, y: Floats, contact: int) -> float:
     h = 2 * c.radius()
@@ -41,11 +74,6 @@ def _acceleration(c: Column, y: Floats, particle: int) -> float:
     return -GRAVITY + c.stiffness / c.mass() * (_overlap(c, y, particle - 1) - _overlap(c, y, particle))
 
 
-def _printed_middle(c: Column, y: Floats, particle: int) -> float:
-    """The middle line of (24) as printed, where its two brackets are multiplied."""
-    return -GRAVITY - c.stiffness / c.mass() * _overlap(c, y, particle) * _overlap(c, y, particle - 1)
-
-
 def _taps(work: Work, five: Column) -> None:
     run = column(5, period=0.5).run([])
     add(work, "order", run.taps[3].separation, contact=run.violated, t=run.violated_at)
@@ -56,29 +84,23 @@ def _taps(work: Work, five: Column) -> None:
 
 
 def _rest(work: Work, c: Column) -> None:
-    """(24) to (28): the column at rest."""
+    """(24) to (31): the column at rest, and its taps."""
     n, r, m, y = c.particles, c.radius(), overlap(c), c.rest()
-    add(work, "middle", _acceleration(c, y, 3), 1e-9 * GRAVITY, paper=_printed_middle(c, y, 3))
+    # the middle line of (24) as printed, where its two brackets are multiplied
+    printed = -GRAVITY - c.stiffness / c.mass() * _overlap(c, y, 3) * _overlap(c, y, 2)
+    add(work, "middle", _acceleration(c, y, 3), 1e-9 * GRAVITY, paper=printed)
     add(work, "unknowns", n, paper=n - 1)
     add(work, "top", _overlap(c, y, 4), paper=2 * r - ((2 * n - 1) * r - 0.5 * ((n - 1) * n + 2) * m - float(y[3])))
     add(work, "source", 28)
-
-
-def _frequencies(work: Work, five: Column) -> None:
-    """omega = 2 pi Gamma mistakes the acceleration Gamma = a omega^2/g for a frequency."""
-    for key, printed in (("hertz-5", 2.4019), ("hertz-10", 3.8476)):
-        ours = math.sqrt(printed * GRAVITY / AMPLITUDE) / (2 * math.pi)
-        add(work, key, ours, 0.5e-4 / printed * ours / 2)  # half of the last digit of Gamma
-    add(work, "period", five.period)
-
-
-def _step(work: Work, c: Column) -> None:
-    """The upper contact is just open; the lower one carries three particles, as at rest."""
+    # omega = 2 pi Gamma mistakes the acceleration Gamma = a omega^2/g for a frequency
+    for key, gamma in (("hertz-5", 2.4019), ("hertz-10", 3.8476)):
+        ours = math.sqrt(gamma * GRAVITY / AMPLITUDE) / (2 * math.pi)
+        add(work, key, ours, 0.5e-4 / gamma * ours / 2)  # half of the last digit of Gamma
+    add(work, "period", c.period)
     add(work, "alphas", 2)
+    # the upper contact is just open; the lower one carries three particles, as at rest
     add(work, "open", -GRAVITY + c.stiffness / c.mass() * 3 * overlap(c), paper=-GRAVITY)
 
-
-# ---- the continua ---------------------------------------------------------------------------------------------------
 
 def _long_wave(work: Work, c: Column) -> None:
     r, unit = c.radius(), speed2(c)
@@ -88,11 +110,8 @@ def _long_wave(work: Work, c: Column) -> None:
     add(work, "sign", of35, paper=of37)
     add(work, "closed", 0.5, paper=of35)
     add(work, "start", 0, paper=_acceleration(c, c.rest() * 0 + [(2 * i + 1) * r for i in range(c.particles)], 1))
-
-
-def _continuity(work: Work) -> None:
-    """y = (1 + s t) z with mass m/h per label: the density at a label is m/(h (1 + s t)). (41) mixes rho_z at fixed
-    places with y of labels, and gives exp(-s t)."""
+    # y = (1 + s t) z with mass m/h per label: the density at a label is m/(h (1 + s t)). (41) mixes rho_z at fixed
+    # places with y of labels, and gives exp(-s t)
     add(work, "stretched", 0.5, paper=math.exp(-1))
     add(work, "data", 42)
     add(work, "integrand", 0)
