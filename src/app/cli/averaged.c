@@ -2,7 +2,7 @@
 #include "base/base.h"
 #include "cli/tables.h"
 #include "ensemble/groups.h"
-#include "numeric/resampled.h"
+#include "numeric/interval.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -7,7 +7,6 @@
 #include "cli/ranks.h"
 
 #include "base/base.h"
-#include "base/hash.h"
 
 #include <math.h>
 #include <mpi.h>

@@ -2,7 +2,6 @@
 #include "base/file.h"
 
 #include "base/base.h"
-#include "base/hash.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -101,25 +100,6 @@ int64_t sp_file_read_at(int fd, void *data, size_t size, int64_t at) {
         used += (size_t)got;
     }
     return (int64_t)used;
-}
-
-sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err) {
-    enum { CHUNK = 1 << 16 };
-    unsigned char buffer[CHUNK];
-    const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (fd < 0)
-        return fail_errno(err, "open", path, errno);
-    uint64_t sum = SP_HASH64_BEGIN;
-    ssize_t got;
-    while ((got = read(fd, buffer, CHUNK)) > 0 || (got < 0 && errno == EINTR))
-        if (got > 0)
-            sum = sp_hash64(sum, buffer, (size_t)got);
-    const int code = got < 0 ? errno : 0;
-    close(fd);
-    if (code)
-        return fail_errno(err, "read", path, code);
-    *hash = sum;
-    return SP_OK;
 }
 
 /* ---- writing --------------------------------------------------------------------------------------------------- */

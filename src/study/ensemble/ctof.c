@@ -3,7 +3,7 @@
 #include "base/base.h"
 #include "ensemble/groups.h"
 #include "ensemble/speed.h"
-#include "numeric/fit.h"
+#include "numeric/statistics.h"
 #include "numeric/statistics.h"
 
 #include <math.h>

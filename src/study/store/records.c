@@ -4,7 +4,6 @@
 
 #include "base/base.h"
 #include "base/file.h"
-#include "base/hash.h"
 #include "store/sample_h5.h"
 
 #include <fcntl.h>

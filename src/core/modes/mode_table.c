@@ -1,11 +1,13 @@
-/* Makes a table of modes from eigenpairs. */
-#include "modes/rows.h"
+/* Makes a table of modes from eigenpairs, and bounds the errors of its vectors. */
+#include "modes/mode_table.h"
+
 #include "base/base.h"
 #include "linalg/arrays.h"
 #include "linalg/eigen.h"
 
 #include <float.h>
 #include <math.h>
+#include <sonopack/modes.h>
 #include <stdlib.h>
 
 /* A mode before sorting. */
@@ -173,4 +175,56 @@ sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mo
     else
         sp_modes_free(&m);
     return status;
+}
+
+/* ---- options and memory ------------------------------------------------------------------------------------------ */
+
+sp_modes_options sp_modes_options_default(void) {
+    return (sp_modes_options){.vectors = true, .source = SP_SOURCE_IMPULSE};
+}
+
+sp_modes sp_modes_none(void) { return (sp_modes){.residual = NAN, .orthogonality = NAN}; }
+
+void sp_modes_free(sp_modes *m) {
+    sp_free(m->omega); /* all arrays are one block */
+    *m = sp_modes_none();
+}
+
+sp_modes_range sp_modes_range_all(void) { return (sp_modes_range){.to = HUGE_VAL}; }
+sp_modes_range sp_modes_range_lowest(int64_t count) { return (sp_modes_range){.lowest = count, .to = HUGE_VAL}; }
+sp_modes_range sp_modes_range_band(double from, double to) { return (sp_modes_range){.from = from, .to = to}; }
+
+sp_damped_modes sp_damped_modes_none(void) { return (sp_damped_modes){0}; }
+
+void sp_damped_modes_free(sp_damped_modes *m) {
+    sp_free(m->omega); /* all arrays are one block */
+    *m = sp_damped_modes_none();
+}
+
+/* ---- errors of vectors ------------------------------------------------------------------------------------------- */
+
+static double square(double x) { return x * x; }
+
+double sp_modes_gap(const sp_modes *m, int64_t first, int64_t last) {
+    const double low = square(fmax(0, m->omega[first] - m->error[first]));
+    const double high = square(m->omega[last] + m->error[last]);
+    double below = -HUGE_VAL, above = HUGE_VAL;
+    if (first > m->n_rattler)
+        below = square(m->omega[first - 1] + m->error[first - 1]);
+    else if (m->certified_from > 0)
+        below = square(m->certified_from);
+    else if (m->first > 0) /* zero modes, which are not listed */
+        below = square(m->zero.below);
+    if (last + 1 < m->n)
+        above = square(fmax(0, m->omega[last + 1] - m->error[last + 1]));
+    else if (isfinite(m->certified_to))
+        above = square(m->certified_to);
+    return fmin(low - below, above - high);
+}
+
+double sp_modes_vector_error(const sp_modes *m, const sp_network *net, int64_t row) {
+    const double top = square(sp_network_omega_bound(net)), gap = sp_modes_gap(m, row, row);
+    const double residual = (m->residual + 8 * DBL_EPSILON) * top; /* with the rounding of its computation */
+    /* Davis and Kahan: the sine of the angle is at most |R|/gap, and |e - f| at most sqrt(2) times that */
+    return M_SQRT2 * (gap > residual ? residual / gap : 1);
 }

@@ -1,9 +1,9 @@
-/* The material of the grains, and the names of walls, as text. */
+/* The material of the grains as text. */
 #include "base/base.h"
 #include "base/text.h"
-#include "packing/geometry.h"
 
 #include <math.h>
+#include <sonopack/packing.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <string.h>
@@ -86,17 +86,4 @@ char *sp_material_text(const sp_material *m, char text[SP_MATERIAL_TEXT]) {
                                  sp_number_text(value_of(m, &material_key[k]), number));
     }
     return text;
-}
-
-const char *const sp_wall_names[] = {"rigid", "grain", "elastic", NULL};
-const char *const sp_side_names[] = {"bottom", "top", "left", "right", "front", "back", NULL};
-const char *const sp_cell_names[] = {"piston", "periodic", "box", NULL};
-
-bool sp_wall_read(const char *word, sp_wall *out) {
-    for (int k = 0; sp_wall_names[k]; k++)
-        if (strcmp(word, sp_wall_names[k]) == 0) {
-            *out = (sp_wall)k;
-            return true;
-        }
-    return false;
 }

@@ -1,5 +1,5 @@
-#ifndef SP_CELLS_H
-#define SP_CELLS_H
+#ifndef SP_CELL_GRID_H
+#define SP_CELL_GRID_H
 /* Cells that find the grains near a point, in a box with periodic axes; unless told otherwise all but the last.
  *
  * There is one grid for each octave of grain sizes, so that a cell holds a few grains for any range of sizes. A pair

@@ -3,7 +3,7 @@
  *   G(s) = (s^2 M + s C + K)^-1 = sum u u^T/((s - lambda) u^T (2 lambda M + C) u). */
 #include "base/base.h"
 #include "linalg/arrays.h"
-#include "linalg/general.h"
+#include "linalg/eigen.h"
 #include "network/rows.h"
 
 #include <complex.h>

@@ -1,5 +1,5 @@
 /* Cells that find the grains near a point. */
-#include "packing/cells.h"
+#include "packing/cell_grid.h"
 
 #include "base/base.h"
 
