@@ -174,7 +174,7 @@ TEST(test_memory) {
     sp_packing p = chain_packing(10, 1e-4);
     sp_network net = network_of(&p, false);
     const sp_signal_options o = options_of(SP_SIGNAL_VERLET, SP_SOURCE_IMPULSE, 10, 1e-3);
-    lacks_memory(NULL, &net, &o, 10);
+    lacks_memory(NULL, &net, &o, 8);
     sp_network_free(&net);
     sp_packing_free(&p);
 }

@@ -1,6 +1,6 @@
 /* What results of a network will take: signals, modes, moduli, spectra. */
 #include "cost/laws.h"
-#include "signal/choose.h"
+#include "signal/job.h"
 
 #include <math.h>
 #include <stddef.h>

@@ -3,13 +3,11 @@
 
 #include <math.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* The end of the record fades by the second half of a Hann window over its last third, lest its cut spreads over all
  * frequencies. */
 static double fade(int32_t n, int32_t l) {
     const double from = 2.0 / 3 * (n - 1), x = (l - from) / (n - 1 - from);
-    return x > 0 ? 0.5 * (1 + cos(PI * x)) : 1;
+    return x > 0 ? 0.5 * (1 + cos(M_PI * x)) : 1;
 }
 
 /* The integral of |F(omega)|^2 over the band is a double sum of F_l F_m times the kernel sin(w t)/t of the differences
@@ -26,7 +24,7 @@ double sp_design_band(int32_t n, double spacing, const double *f, double low, do
         weight[l] = 0;
     }
     for (int32_t lag = 0; lag < n; lag++) {
-        const double scale = spacing * spacing * lag_kernel(lag * spacing, low, high) / PI * (lag == 0 ? 1 : 2);
+        const double scale = spacing * spacing * lag_kernel(lag * spacing, low, high) / M_PI * (lag == 0 ? 1 : 2);
         double sum = 0;
         for (int32_t l = 0; l + lag < n; l++) {
             sum += scratch[l] * scratch[l + lag];

@@ -6,8 +6,6 @@
 
 #include <math.h>
 
-static const double PI = 3.14159265358979323846;
-
 static unsigned parameters_of(sp_design_variable vary) {
     static const unsigned each[] = {[SP_DESIGN_MASS] = SP_BY_MASS,
                                     [SP_DESIGN_MODULUS] = SP_BY_KN | SP_BY_KT,
@@ -102,7 +100,7 @@ static sp_status band_value(const sp_design_problem *d, const sp_packing *made, 
         status = sp_fail_memory(err, 2 * (size_t)s.n * sizeof *work);
     if (status == SP_OK) {
         double *weight = work + s.n;
-        const double spacing = s.t[1] - s.t[0], high = fmin(o->band_high, PI / spacing); /* points know no more */
+        const double spacing = s.t[1] - s.t[0], high = fmin(o->band_high, M_PI / spacing); /* points know no more */
         const double energy = sp_design_band(s.n, spacing, s.f, o->band_low, high, work, weight);
         for (int32_t l = 0; l < s.n; l++)
             off += fabs(weight[l]);

@@ -3,7 +3,6 @@
 
 #include "base/base.h"
 #include "network/place.h"
-#include "signal/expansion.h"
 
 #include <float.h>
 #include <math.h>
@@ -26,29 +25,16 @@ void sp_forward_free(forward *f) {
         sp_free(f->kept[q].u);
         sp_free(f->kept[q].v);
     }
-    sp_free(f->from.at);
-    sp_free(f->from.value);
-    sp_free(f->to.at);
-    sp_free(f->to.value);
+    sp_sparse_row_free(&f->from);
+    sp_sparse_row_free(&f->to);
     *f = (forward){0};
 }
 
-/* A vector over the network as a sparse row; mass: factors, or NULL. */
 static sp_status make_row(const forward *f, const double *vector, const double *mass, sparse_row *out, sp_error *err) {
-    const sp_operator *op = &f->op;
-    const int64_t n = sp_network_dofs(f->net);
-    out->at = sp_alloc((size_t)n, sizeof *out->at);
-    out->value = sp_alloc((size_t)n, sizeof *out->value);
-    if (!out->at || !out->value)
-        return sp_fail_memory(err, (size_t)n * 16);
-    for (int64_t dof = 0; dof < n; dof++) {
-        if (vector[dof] == 0)
-            continue;
-        const double scale = op->scale[op->row_of[dof / op->dof] * (int64_t)op->dof + dof % op->dof];
-        out->at[out->n] = sp_operator_at(op, dof);
-        out->value[out->n++] = vector[dof] * (mass ? mass[dof] : 1) / scale;
-    }
-    return SP_OK;
+    const sp_status status = sp_sparse_row_make(sp_network_dofs(f->net), vector, out, err);
+    if (status == SP_OK)
+        sp_sparse_row_turn(&f->op, mass, out);
+    return status;
 }
 
 static bool any_gap(const sp_network *net, const double *gap) {

@@ -3,7 +3,7 @@
 
 #include "base/base.h"
 #include "numeric/bessel.h"
-#include "signal/convolve.h"
+#include "signal/job.h"
 
 #include <math.h>
 

@@ -7,7 +7,6 @@
 #include "sensitivity/forward.h"
 #include "sensitivity/gradient.h"
 #include "sensitivity/products.h"
-#include "signal/expansion.h"
 
 #include <float.h>
 #include <math.h>

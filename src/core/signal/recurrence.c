@@ -15,6 +15,35 @@ enum { BLOCKS_SHARED = 32, DOF_MAX = 6, LINE = 8 };
 /* Vectors of this many bytes exceed all caches, so results are written past the caches. */
 #define PAST_CACHES (1.6e7)
 
+sp_status sp_sparse_row_make(int64_t n, const double *vector, sparse_row *out, sp_error *err) {
+    int64_t count = 0;
+    for (int64_t k = 0; k < n; k++)
+        count += vector[k] != 0;
+    *out = (sparse_row){0, sp_alloc((size_t)count, sizeof *out->at), sp_alloc((size_t)count, sizeof *out->value)};
+    if (!out->at || !out->value)
+        return sp_fail_memory(err, (size_t)count * (sizeof *out->at + sizeof *out->value));
+    for (int64_t k = 0; k < n; k++)
+        if (vector[k] != 0) {
+            out->at[out->n] = k;
+            out->value[out->n++] = vector[k];
+        }
+    return SP_OK;
+}
+
+void sp_sparse_row_free(sparse_row *row) {
+    sp_free(row->at);
+    sp_free(row->value);
+    *row = (sparse_row){0};
+}
+
+void sp_sparse_row_turn(const sp_operator *op, const double *mass, sparse_row *row) {
+    for (int64_t k = 0; k < row->n; k++) {
+        const int64_t dof = row->at[k], of = op->row_of[dof / op->dof];
+        row->at[k] = sp_operator_at(op, dof);
+        row->value[k] = row->value[k] * (mass ? mass[dof] : 1) / op->scale[of * op->dof + dof % op->dof];
+    }
+}
+
 void sp_recurrence_free(recurrence *r) {
     sp_pool_free(r->pool);
     if (r->next != r->u)

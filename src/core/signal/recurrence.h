@@ -6,12 +6,17 @@
 #include "base/pool.h"
 #include "network/operator.h"
 
-/* A sparse vector in an operator's order, with the units of forces. */
+/* A sparse vector over the network, or in an operator's order with the units of forces. */
 typedef struct sparse_row {
     int64_t n;
-    int64_t *at; /* [n] index in lane 0 */
+    int64_t *at; /* [n] degree of freedom, or index in lane 0 */
     double *value;
 } sparse_row;
+/* The numbers of a vector [n] that are not 0. Free the row after a failure, too. */
+sp_status sp_sparse_row_make(int64_t n, const double *vector, sparse_row *out, sp_error *err);
+void sp_sparse_row_free(sparse_row *row);
+/* From the network's order to the operator's. mass: factors that make momenta of displacements; NULL: none. */
+void sp_sparse_row_turn(const sp_operator *op, const double *mass, sparse_row *row);
 
 typedef struct recurrence {
     const sp_operator *op;

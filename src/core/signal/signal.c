@@ -2,7 +2,6 @@
 #include "base/base.h"
 #include "linalg/vector.h"
 #include "modes/count.h"
-#include "signal/choose.h"
 #include "signal/job.h"
 
 #include <math.h>

@@ -13,8 +13,6 @@
 
 enum { EXACT_DOFS = 3000, VECTORS_MAX = 10000, BINS_MAX = 1000000, MOMENTS_MAX = 10000000, DRAWN = 200000 };
 
-static const double PI = 3.14159265358979323846;
-
 sp_dos_options sp_dos_options_default(void) { return (sp_dos_options){.bins = 100, .seed = 1, .threads = 1}; }
 
 sp_dos sp_dos_none(void) { return (sp_dos){0}; }
@@ -101,7 +99,7 @@ static void bound_smooth(const sp_modes *m, const double *g, sp_dos *d) {
         sum += 2 * g[k] * (double)k * (turns + 8 * (double)k * many * DBL_EPSILON);
     for (int32_t b = 0; b < d->bins; b++) {
         const double s = middle(d, b) / omega;
-        d->smooth_error[b] = s < 1 ? 2 * sum / (PI * omega * sqrt(1 - s * s)) : 0;
+        d->smooth_error[b] = s < 1 ? 2 * sum / (M_PI * omega * sqrt(1 - s * s)) : 0;
     }
 }
 

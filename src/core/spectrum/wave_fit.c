@@ -7,8 +7,6 @@
 #include <sonopack/spectrum.h>
 #undef I
 
-#define PI 3.14159265358979323846
-
 typedef double complex value;
 
 typedef struct sample {
@@ -111,7 +109,7 @@ static value search(const sample *s) {
     for (int w = 0; w < WAVES; w++)
         for (int l = 0; l < ATTENUATIONS; l++) {
             const double alpha = l == 0 ? 0 : 0.25 * pow(2, l - 1) / length;
-            const value q = number(alpha, PI * (w + 0.5) / (WAVES * step));
+            const value q = number(alpha, M_PI * (w + 0.5) / (WAVES * step));
             const amplitudes p = project(s, q);
             if (p.rest < least) {
                 least = p.rest;
@@ -151,7 +149,7 @@ void sp_driven_fit(int32_t n, const double *y, const double *f, sp_wave_fit *out
     const bool decays = fabs(creal(q)) > 3 * error;
     if (decays ? creal(q) < 0 : cimag(q) < 0) /* the same two waves with exchanged roles */
         q = -q;
-    const double period = 2 * PI / (y[1] - y[0]); /* planes see k and k + period alike */
+    const double period = 2 * M_PI / (y[1] - y[0]); /* planes see k and k + period alike */
     *out = (sp_wave_fit){.k = cimag(q) > period ? fmod(cimag(q), period) : cimag(q),
                          .k_err = error,
                          .alpha = creal(q),
