@@ -27,6 +27,9 @@ void sp_job_free(signal_job *job);
 sp_status sp_signal_allocate(const sp_signal_options *o, int32_t sources, int32_t detectors, sp_signal *s,
                              sp_error *err);
 
+/* The first front of a signal, by the usual rule. */
+sp_status sp_signal_front(const sp_network *net, const sp_signal_options *opt, sp_front *out, sp_error *err);
+
 /* A method. It fills s->f, s->errors and s->products, and s->omega_max if it has a better bound than the network's. t,
  * n, sources and detectors are set on entry; f and errors are zero. */
 typedef sp_status (*signal_function)(const signal_job *job, sp_signal *s, sp_error *err);

@@ -108,6 +108,16 @@ sp_status sp_signal_make(const sp_network *net, const sp_signal_options *opt, sp
     return sp_signal_compute(NULL, net, opt, out, err);
 }
 
+sp_status sp_signal_front(const sp_network *net, const sp_signal_options *opt, sp_front *out, sp_error *err) {
+    const sp_front_options rule = sp_front_options_default();
+    sp_signal s = sp_signal_none();
+    sp_status status = sp_signal_make(net, opt, &s, err);
+    if (status == SP_OK)
+        status = sp_front_find(s.n, s.t, s.f, &rule, out, err);
+    sp_signal_free(&s);
+    return status;
+}
+
 /* *unsure: the method succeeded but its error bound exceeds the tolerance. */
 static sp_status run_method(sp_signal_method method, const sp_packing *p, const sp_network *net,
                             const sp_signal_options *opt, sp_signal *out, bool *unsure, sp_error *err) {
