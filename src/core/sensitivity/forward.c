@@ -86,26 +86,17 @@ static sp_status make_memory(forward *f, sp_error *err) {
     return fits ? SP_OK : sp_fail_memory(err, 2 * FORWARD_SNAPSHOTS * size * sizeof(double));
 }
 
-/* Squared norm of a lane in a block. */
-static double block_square(const forward *f, int32_t block, int lane) {
-    const sp_operator *op = &f->op;
-    const int kinds = op->kind.rotations ? 2 : 1;
-    double sum = 0;
-    for (int64_t k = op->first[block]; k < op->first[block + 1]; k++)
-        for (int a = 0; a < op->dof; a++) {
-            const double x = f->p.r.u[k * op->row + quad_component(a) + lane];
-            sum += f->p.r.weight[2 * kinds * k + (a >= op->kind.dim)] * x * x;
-        }
-    return sum;
-}
-
 /* Notes which blocks the fields have reached since the last look, FORWARD_STRIDE steps ago. */
 static void look(forward *f) {
-    for (int32_t b = 0; b < f->op.blocks; b++)
+    const recurrence *r = &f->p.r;
+    for (int32_t b = 0; b < f->op.blocks; b++) {
+        if (!r->awake[b] || (f->since[0][b] < INT32_MAX && f->since[1][b] < INT32_MAX))
+            continue;
+        const pair squares = sp_recurrence_block_squares(r, b, r->u);
         for (int q = 0; q < 2; q++)
-            if (f->since[q][b] == INT32_MAX && f->p.r.awake[b] &&
-                block_square(f, b, q) > REACHED * REACHED * f->p.r.start[q])
-                f->since[q][b] = f->p.r.step < FORWARD_STRIDE ? 0 : (int32_t)(f->p.r.step - FORWARD_STRIDE);
+            if (f->since[q][b] == INT32_MAX && squares[q] > REACHED * REACHED * r->start[q])
+                f->since[q][b] = r->step < FORWARD_STRIDE ? 0 : (int32_t)(r->step - FORWARD_STRIDE);
+    }
 }
 
 static void keep(forward *f) {

@@ -65,7 +65,10 @@ static inline double signal_size(int64_t dofs, double terms, double norms) {
 }
 /* Norm of M^-1 row in the metric of the masses. */
 double sp_recurrence_norm(const recurrence *r, const sparse_row *row);
-/* Squared norms of both lanes in the metric of the masses. */
+/* Masses and 4/(Omega^2 m) of each grain, as in `weight`. */
+void sp_recurrence_weights(const sp_operator *op, const double *mass, double omega, double *weight);
+/* Squared norms of both lanes of a block of u, and of U_k, in the metric of the masses. */
+pair sp_recurrence_block_squares(const recurrence *r, int32_t block, const double *u);
 pair sp_recurrence_squares(const recurrence *r);
 
 #endif
