@@ -1,6 +1,6 @@
 /* Draws packings with errors of measurement. Every number is drawn whether it is used or not, so that the same sample
  * of two sizes of an error differs by the size alone. */
-#include "inference/perturb.h"
+#include "inference/uncertain.h"
 
 #include "base/base.h"
 #include "base/vector.h"
