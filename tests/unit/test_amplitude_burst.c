@@ -122,15 +122,7 @@ TEST(test_bad_input) {
     o.tolerance = 1;
     assert_fails(sp_amplitude_bursts(&p, &o, &good, 3, NULL, h, &second, &err), SP_EINVAL, "tolerance");
     o.tolerance = 0.05;
-    for (int k = 0;; k++) {
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_amplitude_bursts(&p, &o, &good, 3, NULL, h, &second, &err);
-        sp_alloc_fail_after(-1);
-        if (status == SP_OK)
-            break;
-        assert_int_equal(status, SP_ENOMEM);
-    }
+    EACH_ALLOCATION_FAILS(8, sp_amplitude_bursts(&p, &o, &good, 3, NULL, h, &second, &err), );
     sp_packing_free(&p);
 }
 

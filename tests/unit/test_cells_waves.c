@@ -200,45 +200,6 @@ TEST(rings) {
     sp_packing_free(&p);
 }
 
-/* All methods agree in random packings, with friction too, at planes and at a grain; the nonlinear motion at a small
- * amplitude, in a frame in which the packing as a whole is at rest. */
-TEST(methods_agree) {
-    const sp_signal_method methods[] = {SP_SIGNAL_DENSE, SP_SIGNAL_SPARSE, SP_SIGNAL_VERLET, SP_SIGNAL_DYNAMICS};
-    for (int q = 0; q < 3; q++) {
-        const int dim = q == 1 ? 3 : 2;
-        sp_packing p =
-            cells_packing(q == 2 ? SP_CELL_BOX : SP_CELL_PERIODIC, dim, dim == 2 ? 40 : 60, dim == 2 ? 0.95 : 0.75,
-                          q == 2     ? NULL
-                          : dim == 2 ? (double[3]){0.3}
-                                     : tilted,
-                          q == 1 ? 0 : 0.3, 21 + (unsigned)q);
-        sp_network net = network_of(&p, true); /* as the nonlinear motion */
-        const double height = p.box[dim - 1];
-        const sp_place from = {.kind = SP_PLACE_PLANE, .height = 0.1 * height};
-        const sp_place to[] = {{.kind = SP_PLACE_PLANE, .height = 0.7 * height},
-                               {.kind = SP_PLACE_PLANE, .height = 0.3 * height, .shear = true},
-                               {.kind = SP_PLACE_GRAIN, .grain = net.grain[net.n / 2]}};
-        sp_signal s = signal_of(&p, &net, SP_SIGNAL_CHEBYSHEV, &from, to, 3, 12);
-        for (int k = 0; k < 4; k++) {
-            const bool steps = k >= 2;
-            sp_signal other = signal_of(&p, &net, methods[k], &from, to, 3, 12);
-            for (int d = 0; d < 3; d++) {
-                double largest = 0, off = 0;
-                for (int l = 0; l < s.n; l++) {
-                    largest = fmax(largest, fabs(s.f[d * s.n + l]));
-                    off = fmax(off, fabs(s.f[d * s.n + l] - other.f[d * s.n + l]));
-                }
-                if (!(off < (methods[k] == SP_SIGNAL_DYNAMICS ? 1e-2 : steps ? 1e-3 : 1e-8) * largest))
-                    fail_msg("packing %d, method %d, detector %d: off by %g of %g", q, k, d, off, largest);
-            }
-            sp_signal_free(&other);
-        }
-        sp_signal_free(&s);
-        sp_network_free(&net);
-        sp_packing_free(&p);
-    }
-}
-
 /* A strong impulse moves the whole packing: its drift is left out, which would carry grains out of reach. */
 TEST(no_drift) {
     sp_packing p = cells_packing(SP_CELL_PERIODIC, 2, 40, 0.95, NULL, 0.3, 21);

@@ -76,24 +76,6 @@ TEST(test_modes) {
         }
 }
 
-/* Images in both walls and the sum over modes (C4): to late times, where short chains have dozens of echoes. */
-TEST(test_images_and_modes) {
-    enum { POINTS = 301 };
-    const int sizes[] = {1, 2, 3, 7, 50, 401, 2000};
-    for (size_t q = 0; q < sizeof sizes / sizeof *sizes; q++)
-        for (int s = 0; s < 2; s++) {
-            const double until = sizes[q] < 10 ? 60 : 3.0 * (sizes[q] + 1);
-            double t[POINTS], f[POINTS], sum[POINTS];
-            for (int l = 0; l < POINTS; l++)
-                t[l] = until * l / (POINTS - 1);
-            assert_ok(sp_chain_signal(sizes[q], sources[s], POINTS, t, f, &err));
-            assert_ok(sp_chain_modal(sizes[q], sources[s], POINTS, t, sum, &err));
-            assert_true(f[0] == (sizes[q] == 1 && s == 1));
-            for (int l = 0; l < POINTS; l++)
-                assert_close(f[l], sum[l], 1e-15 * (2 + t[l] + sqrt(sqrt(t[l]))));
-        }
-}
-
 /* Against a longer recurrence in long double: the front at 10^5 balls, and its first echo. The promised bound. */
 TEST(test_long_chain) {
     enum { N = 100000, L = N + 1, ORDERS = 2 * 3 * L + 10, POINTS = 6 };
@@ -239,38 +221,6 @@ TEST(test_front) {
             assert_int_equal(marks.crossings, 1);
             assert_true(marks.width == marks.t_zero - marks.t10);
         }
-}
-
-/* Table III: gamma = 2/3 from a velocity, 1 from a displacement, alpha = 1/3. Local exponents between N and 2 N differ
- * from these as N^(-2/3), and by less than 1e-3 from 3 10^4 balls on. */
-TEST(test_exponents) {
-    for (int s = 0; s < 2; s++) {
-        const sp_chain_limit limit = sp_chain_limit_of(sources[s]);
-        double before[3] = {0};
-        for (int64_t n = 3750; n <= 1000000; n = n == 480000 ? 1000000 : 8 * n) {
-            sp_front one, two;
-            assert_ok(sp_chain_front(n, sources[s], &one, &err));
-            assert_ok(sp_chain_front(2 * n, sources[s], &two, &err));
-            const double off[3] = {-log2(two.amplitude / one.amplitude) - limit.gamma,
-                                   log2(two.width / one.width) - limit.alpha,
-                                   log2((two.t_zero - two.t_peak) / (one.t_zero - one.t_peak)) - limit.alpha};
-            printf("source %c, N = %8lld: gamma %+.2g, alpha %+.2g, alpha_peak %+.2g\n", 'A' + s, (long long)n, off[0],
-                   off[1], off[2]);
-            for (int k = 0; k < 3; k++) {
-                assert_true(n < 30000 || fabs(off[k]) < 1e-3);
-                assert_true(n < 1000000 || fabs(off[k]) < 1.2e-4);
-                if (before[k] != 0 && n < 1000000) /* the next order, N^(-1), is left; most in the alpha of B */
-                    assert_close(log(off[k] / before[k]) / log(8), -2.0 / 3, 0.06);
-                before[k] = off[k];
-            }
-        }
-        /* what has these exponents: the front of (16) */
-        sp_front front;
-        assert_ok(sp_chain_front(1000000, sources[s], &front, &err));
-        assert_relative(front.amplitude * pow(1e6, limit.gamma), limit.height, 3e-4);
-        assert_relative(front.width / 100, limit.width, 3e-4);
-        assert_relative((front.t_zero - front.t_peak) / 100, limit.width_peak, 3e-4);
-    }
 }
 
 /* The signal over the front of (16), w = -5 .. 5: equal but for N^(-1/3); for N^(-2/3) where the way is N + 1. */

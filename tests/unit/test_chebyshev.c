@@ -280,17 +280,4 @@ TEST(test_front) {
     }
 }
 
-TEST(test_no_memory) {
-    sp_packing p = scattered_packing(2, 6, 0.5, 1);
-    sp_network net = network_of(&p, false);
-    const sp_place to[] = {{.kind = SP_PLACE_PLANE, .height = 1}, {.kind = SP_PLACE_PLANE, .height = 2}};
-    sp_signal_options o = options_of(SP_SOURCE_IMPULSE, 30, 11);
-    o.to = to;
-    o.detectors = 2;
-    o.front = true;
-    lacks_memory(NULL, &net, &o, 30);
-    sp_network_free(&net);
-    sp_packing_free(&p);
-}
-
 RUN_TESTS(NULL, NULL)

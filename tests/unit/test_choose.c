@@ -19,12 +19,6 @@ static sp_signal_options options_of(const sp_network *net, double length, int32_
     return o;
 }
 
-static double cost_of(sp_signal_method method, const sp_network *net, const sp_signal_options *o) {
-    const sp_signal_problem p = {(double)sp_network_dofs(net), net->n_springs, sp_network_omega_bound(net), net->dim,
-                                 false};
-    return sp_signal_problem_cost(method, &p, o);
-}
-
 static sp_signal_method first_choice(const sp_network *net, const sp_signal_options *o) {
     sp_signal_method choice[SIGNAL_CHOICES];
     assert_true(sp_signal_choose(net, o, choice) >= 1);
@@ -87,42 +81,6 @@ TEST(test_choice) {
         sp_network_free(&net);
     }
     assert_true(dense >= 10 && chebyshev >= 10);
-}
-
-/* Costs grow with all that is asked; what cannot serve has none. */
-TEST(test_costs) {
-    sp_packing p = scattered_packing(2, 8, 0.5, 1);
-    sp_network net = network_of(&p);
-    const sp_signal_method methods[] = {SP_SIGNAL_CHEBYSHEV, SP_SIGNAL_DENSE};
-    sp_place at[6];
-    for (int q = 0; q < 6; q++)
-        at[q] = (sp_place){.kind = SP_PLACE_GRAIN, .grain = 10 * q};
-    for (int k = 0; k < 2; k++) {
-        const sp_signal_options o = options_of(&net, 100, 101);
-        const double cost = cost_of(methods[k], &net, &o);
-        sp_signal_options more = options_of(&net, 1000, 101);
-        assert_true(cost_of(methods[k], &net, &more) >= cost);
-        more = options_of(&net, 100, 1001);
-        assert_true(cost_of(methods[k], &net, &more) > cost);
-        more = o;
-        more.sources = more.detectors = 6;
-        more.from = more.to = at;
-        assert_true(cost_of(methods[k], &net, &more) > cost);
-    }
-    sp_signal_options o = options_of(&net, 100, 101);
-    assert_true(isinf(cost_of(SP_SIGNAL_VERLET, &net, &o)) && isinf(cost_of(SP_SIGNAL_FABER, &net, &o)));
-    o.damping = 0.1;
-    assert_int_equal(first_choice(&net, &o), SP_SIGNAL_FABER);
-    o.damping = 0;
-    o.front = true;
-    assert_int_equal(first_choice(&net, &o), SP_SIGNAL_CHEBYSHEV);
-    sp_network_free(&net);
-    /* a dense solver is not offered what it refuses */
-    p = chain_packing(20001, 1e-4);
-    net = network_of(&p);
-    o = options_of(&net, 1e9, 11);
-    assert_true(isinf(cost_of(SP_SIGNAL_DENSE, &net, &o)) && isfinite(cost_of(SP_SIGNAL_SPARSE, &net, &o)));
-    sp_network_free(&net);
 }
 
 /* A modal sum vouches for nothing so early, and yet a small network is served: by the next method. */

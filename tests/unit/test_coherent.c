@@ -175,17 +175,9 @@ TEST(test_refusals) {
     sp_packing_free(&p);
     p = chain_packing(30, 1e-4);
     net = network_of(&p, false);
-    for (int k = 0;; k++) {
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_coherent_section_make(&net, &o, &s, &err);
-        sp_alloc_fail_after(-1);
-        if (status == SP_OK)
-            break;
-        assert_int_equal(status, SP_ENOMEM);
-        assert_null(s.f);
-    }
-    sp_coherent_section_free(&s);
+    s = sp_coherent_section_none();
+    EACH_ALLOCATION_FAILS(8, sp_coherent_section_make(&net, &o, &s, &err), assert_true(!lacks || !s.f),
+                          sp_coherent_section_free(&s));
     sp_network_free(&net);
     sp_packing_free(&p);
 }

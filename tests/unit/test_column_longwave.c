@@ -239,33 +239,4 @@ TEST(test_damped_steps) {
     column_free(&rows);
 }
 
-TEST(test_refuses) {
-    const double t = 0, masses[] = {1, 1, 2}, radii[] = {1, 0.5};
-    column_rows unused = {.width = 6};
-    sp_tapped_spec c = longwave();
-    c.time_step = 1e-3;
-    assert_fails(sp_tapped_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step 0.001");
-    c = longwave();
-    c.masses = 3;
-    c.mass = masses;
-    assert_fails(sp_tapped_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "3");
-    c = longwave();
-    c.radii = 2;
-    c.radius = radii;
-    assert_fails(sp_tapped_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "2");
-    c = longwave();
-    c.alpha_v = 1e9;
-    assert_fails(sp_tapped_run(&c, 1, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.alpha_v");
-    assert_int_equal(unused.done, 0);
-}
-
-TEST(test_memory) {
-    sp_tapped_spec c = longwave();
-    c.period = 0.1;
-    c.particles = 2;
-    column_rows rows = column_run(&c, 1, 0, 0);
-    EACH_ALLOCATION_FAILS(3, (rows.done = 0, sp_tapped_run(&c, 1, rows.t, column_keep, &rows, NULL, &err)), );
-    column_free(&rows);
-}
-
 RUN_TESTS(NULL, NULL)

@@ -178,21 +178,4 @@ TEST(test_diagram_does_not_depend_on_threads) {
     }
 }
 
-TEST(test_diagrams_refuse) {
-    sp_table t;
-    sp_tapped_spec c = one_particle(0.2);
-    c.output = SP_TAPPED_BIFURCATION;
-    c.parameter = SP_TAPPED_BY_PERIOD;
-    c.points = 5;
-    c.from = 0.01;
-    c.to = 1;
-    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.from period 0.01");
-    c.from = 2;
-    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.to 1");
-    c.from = 0.1;
-    c.points = 100000000;
-    c.taps = 100000000;
-    assert_fails(sp_tapped_table(&c, 1, &t, &err), SP_EINVAL, "column.points column.taps");
-}
-
 RUN_TESTS(NULL, NULL)

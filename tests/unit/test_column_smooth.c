@@ -125,24 +125,6 @@ TEST(test_energy) {
     }
 }
 
-/* alpha_x to infinity is the sharp step. */
-TEST(test_steps_sharpen) {
-    sp_tapped_spec c = lattice(SP_TAPPED_SMOOTH);
-    c.particles = 3;
-    column_rows sharp = column_run(&c, 21, 0, 0.1);
-    enum { RUNS = 3 };
-    double alpha[RUNS], error[RUNS];
-    for (int q = 0; q < RUNS; q++) {
-        c.alpha_x = alpha[q] = 100 * pow(10, q);
-        column_rows smooth = column_run(&c, 21, 0, 0.1);
-        error[q] = column_mean(&smooth, &sharp);
-        column_free(&smooth);
-    }
-    print_message("error of chi like alpha_x^%.2f\n", column_order(RUNS, alpha, error));
-    assert_true(column_order(RUNS, alpha, error) < -0.9);
-    column_free(&sharp);
-}
-
 /* The smallest separation and the first violation, as the events have them. */
 TEST(test_separation) {
     sp_tapped_spec c = lattice(SP_TAPPED_EVENT);
@@ -202,19 +184,6 @@ TEST(test_rk4_creeps) {
     column_free(&finer);
 }
 
-TEST(test_rk4_elastic) {
-    sp_tapped_spec c = dropped(0);
-    c.method = SP_TAPPED_RK4;
-    enum { RUNS = 4 };
-    double step[RUNS], error[RUNS];
-    for (int q = 0; q < RUNS; q++) { /* whole steps of no phase: the kink at contact is hit at random, order 2 */
-        c.time_step = step[q] = 2e-3 / (1 << (2 * q));
-        error[q] = fabs(peak(&c, 0.16) - 2);
-    }
-    print_message("elastic rebound like dt^%.2f\n", column_order(RUNS, step, error));
-    assert_true(column_order(RUNS, step, error) > 1.5 && error[RUNS - 1] < 1e-6);
-}
-
 /* Taps end and floors stop between steps, whatever their length: rows on both sides of the jumps. */
 TEST(test_floor) {
     for (int method = 0; method < 2; method++) {
@@ -231,30 +200,6 @@ TEST(test_floor) {
                 assert_close((column_y(&rows, k, i) - column_y(&rows, k - 1, i)) * 1e3,
                              0.5 * (column_v(&rows, k, i) + column_v(&rows, k - 1, i)), 1);
         }
-        column_free(&rows);
-    }
-}
-
-TEST(test_refuses) {
-    const double t = 0;
-    column_rows unused = {.width = 6};
-    sp_tapped_spec c = lattice(SP_TAPPED_SMOOTH);
-    c.alpha_v = 1e9;
-    assert_fails(sp_tapped_run(&c, 0, &t, column_keep, &unused, NULL, &err), SP_EFAILED, "column.alpha_v");
-    c = lattice(SP_TAPPED_RK4);
-    c.time_step = 0.02;
-    assert_fails(sp_tapped_run(&c, 0, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step 0.02");
-    c.time_step = 1e-9;
-    assert_fails(sp_tapped_run(&c, 0, &t, column_keep, &unused, NULL, &err), SP_EINVAL, "column.time_step");
-}
-
-TEST(test_memory) {
-    for (int method = 0; method < 2; method++) {
-        sp_tapped_spec c = lattice(method ? SP_TAPPED_RK4 : SP_TAPPED_SMOOTH);
-        c.period = 0.1;
-        c.particles = 2;
-        column_rows rows = column_run(&c, 1, 0, 0);
-        EACH_ALLOCATION_FAILS(3, (rows.done = 0, sp_tapped_run(&c, 1, rows.t, column_keep, &rows, NULL, &err)), );
         column_free(&rows);
     }
 }

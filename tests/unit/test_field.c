@@ -81,39 +81,6 @@ TEST(test_modes_agree) {
     sp_packing_free(&p);
 }
 
-/* The detector's row times u(t) is the signal. */
-TEST(test_detector_sees_the_signal) {
-    enum { POINTS = 5 };
-    sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
-    sp_network net = network_of(&p, false);
-    const int64_t n = sp_network_dofs(&net);
-    sp_signal_options o = sp_signal_options_default();
-    o.until = 3000;
-    o.points = POINTS;
-    sp_signal s = sp_signal_none();
-    assert_ok(sp_signal_make(&net, &o, &s, &err));
-    double *u = calloc(POINTS * (size_t)n, sizeof *u), *row = calloc((size_t)n, sizeof *row), errors[POINTS];
-    assert_true(u && row);
-    const sp_field_options spec = {.times = POINTS, .t = s.t, .threads = 2};
-    assert_ok(sp_signal_field(&net, &spec, u, errors, &err));
-    assert_ok(sp_network_detector(&net, row, &err));
-    const double largest = largest_of(POINTS, s.f);
-    for (int l = 0; l < POINTS; l++) {
-        double f = 0, sum = 0;
-        for (int64_t k = 0; k < n; k++) {
-            f += row[k] * u[l * n + k];
-            sum += fabs(row[k]);
-        }
-        assert_close(f, s.f[l], errors[l] * sum + s.error);
-        assert_true(errors[l] * sum < 1e-9 * largest * (double)n);
-    }
-    free(u);
-    free(row);
-    sp_signal_free(&s);
-    sp_network_free(&net);
-    sp_packing_free(&p);
-}
-
 TEST(test_refusals) {
     sp_packing p = chain_packing(10, 1e-4);
     sp_network net = network_of(&p, false);

@@ -142,41 +142,4 @@ TEST(test_places) {
     sp_packing_free(&p);
 }
 
-TEST(test_refusals) {
-    sp_packing p = chain_packing(10, 1e-4);
-    sp_network net = network_of(&p, false);
-    sp_signal s = sp_signal_none();
-    sp_signal_options o = options_of(SP_SIGNAL_VERLET, SP_SOURCE_IMPULSE, 1e5, 1e-14);
-    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EREFUSED, "tolerance");
-    o.step = 1.71 / sp_network_omega_bound(&net);
-    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "step");
-    o.step = 1e-9;
-    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "1e9");
-    for (int k = 0; k < 3; k++) {
-        o.step = (double[]){-1, NAN, INFINITY}[k];
-        assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "step");
-    }
-    o.step = 0.1;
-    o.method = SP_SIGNAL_CHEBYSHEV;
-    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "step 0.1 chebyshev");
-    /* a spring that pushes: no frequency, no sound */
-    net.prestress = true;
-    for (int k = 0; k < net.n_springs; k++)
-        net.springs[k].kn = -net.springs[k].kn;
-    o = options_of(SP_SIGNAL_VERLET, SP_SOURCE_IMPULSE, 100, 1e-3);
-    assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EREFUSED, "");
-    assert_true(s.f == NULL);
-    sp_network_free(&net);
-    sp_packing_free(&p);
-}
-
-TEST(test_memory) {
-    sp_packing p = chain_packing(10, 1e-4);
-    sp_network net = network_of(&p, false);
-    const sp_signal_options o = options_of(SP_SIGNAL_VERLET, SP_SOURCE_IMPULSE, 10, 1e-3);
-    lacks_memory(NULL, &net, &o, 8);
-    sp_network_free(&net);
-    sp_packing_free(&p);
-}
-
 RUN_TESTS(NULL, NULL)

@@ -49,25 +49,4 @@ TEST(test_equal_energy_of_modes) {
     sp_packing_free(&p);
 }
 
-TEST(test_bad_input) {
-    sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
-    sp_network net = network_of(&p, false), turning = network_of(&p, true);
-    sp_split_options o = sp_split_options_default();
-    sp_split s;
-    assert_fails(sp_split_make(&net, -1, &o, &s, &err), SP_EINVAL, "-1");
-    assert_fails(sp_split_make(&net, 50, &o, &s, &err), SP_EREFUSED, "50");
-    assert_fails(sp_split_make(&turning, 0.3, &o, &s, &err), SP_EREFUSED, "");
-    o.sources = 1;
-    assert_fails(sp_split_make(&net, 0.3, &o, &s, &err), SP_EINVAL, "1");
-    o = sp_split_options_default();
-    o.width = 0;
-    assert_fails(sp_split_make(&net, 0.3, &o, &s, &err), SP_EINVAL, "0");
-    o = sp_split_options_default();
-    o.from = NAN;
-    assert_fails(sp_split_make(&net, 0.3, &o, &s, &err), SP_EINVAL, "nan");
-    sp_network_free(&turning);
-    sp_network_free(&net);
-    sp_packing_free(&p);
-}
-
 RUN_TESTS(NULL, NULL)
