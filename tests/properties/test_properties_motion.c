@@ -148,7 +148,7 @@ static void check_galilei(claims *c, const sp_pack_spec *spec, const sp_packing 
 /* In a mirror forces are vectors, and torques turn the other way, but for the axis of the mirror. */
 static void check_mirror(claims *c, const sp_pack_spec *spec, const sp_packing *p, int axis, const sp_random *draw) {
     sp_random one = *draw, two = *draw;
-    sp_packing q = mirrored(p, axis);
+    FREED(sp_packing) q = mirrored(p, axis);
     dynamics d = moving(spec, p), e = moving(spec, &q);
     double sign[6] = {1, 1, 1, 1, 1, 1};
     sign[axis] = -1;
@@ -174,7 +174,6 @@ static void check_mirror(claims *c, const sp_pack_spec *spec, const sp_packing *
     }
     sp_dynamics_free(&e);
     sp_dynamics_free(&d);
-    sp_packing_free(&q);
 }
 
 /* Both codes for the same state, over some steps. */
@@ -322,7 +321,7 @@ static void check_energy(claims *c, const sp_pack_spec *given, const sp_packing 
 /* ---- scenes ----------------------------------------------------------------------------------------------------- */
 
 static void run(claims *c, sp_random *draw) {
-    sp_packing p = crowd(draw);
+    FREED(sp_packing) p = crowd(draw);
     const sp_pack_spec spec = spec_of(&p, draw);
     char words[120];
     snprintf(words, sizeof words, "%dD, cell %d, %d grains, friction %g, reference %d, history %d", p.dim, (int)p.cell,
@@ -334,7 +333,6 @@ static void run(claims *c, sp_random *draw) {
     check_codes(c, &spec, &p, draw);
     check_energy(c, &spec, &p, draw);
     check_power(c, &spec, &p, draw);
-    sp_packing_free(&p);
 }
 
 TEST(test_motion) {

@@ -123,7 +123,7 @@ static void run(stress_record *r, const char *network, const sp_network *net, hi
     static const char *const names[] = {"exact", "count", "kpm"};
     exact x = exact_solve(net);
     for (int q = 0; q < 3; q++) {
-        sp_dos d = sp_dos_none();
+        FREED(sp_dos) d = sp_dos_none();
         if (run_one(r, network, net, methods[q], names[q], &d) != SP_OK)
             continue;
         if (methods[q] == SP_DOS_KPM)
@@ -132,7 +132,6 @@ static void run(stress_record *r, const char *network, const sp_network *net, hi
             compare_counts(r, network, names[q], &d, &x);
         if (methods[q] == SP_DOS_EXACT)
             compare_smooth(r, network, &d, &x);
-        sp_dos_free(&d);
     }
     exact_free(&x);
 }
@@ -143,9 +142,8 @@ TEST(test_hard_networks) {
     stress_record r = stress_open();
     hits h = {0};
     for (int k = 0; k < STRESS_CASES; k += EVERY) {
-        sp_network net = stress_cases[k].make(stress_cases[k].value, 1);
+        FREED(sp_network) net = stress_cases[k].make(stress_cases[k].value, 1);
         run(&r, stress_cases[k].name, &net, &h);
-        sp_network_free(&net);
     }
     stress_close(&r);
     print_message("random vectors: %d densities, %.3f within one standard error, %.3f within three\n", h.compared,

@@ -101,9 +101,8 @@ static double compare(stress_record *r, const char *name, const sp_network *net)
 TEST(test_moduli) {
     stress_record r = stress_open();
     for (int k = 0; k < STRESS_CASES; k++) {
-        sp_network net = stress_cases[k].make(stress_cases[k].value, 1);
+        FREED(sp_network) net = stress_cases[k].make(stress_cases[k].value, 1);
         compare(&r, stress_cases[k].name, &net);
-        sp_network_free(&net);
     }
     stress_close(&r);
     assert_int_equal(r.wrong, 0);
@@ -179,9 +178,8 @@ TEST(test_mechanisms) {
     stress_record r = stress_open();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         for (uint64_t seed = 1; seed <= 3; seed++) {
-            sp_network net = cases[k].make(cases[k].value, seed);
+            FREED(sp_network) net = cases[k].make(cases[k].value, seed);
             assert_true(compare(&r, cases[k].name, &net) < 1e-9);
-            sp_network_free(&net);
         }
     stress_close(&r);
     assert_int_equal(r.wrong, 0);

@@ -145,7 +145,7 @@ static void differentiate(const problem *p, int k, quad out[2]) {
 static void run_time(stress_record *r, const char *name, problem *p, double length, int stride) {
     const double t = length / p->net->omega_bound, one = 1;
     const sp_functional j = {1, &t, &one, NULL};
-    sp_gradient g = sp_gradient_none();
+    FREED(sp_gradient) g = sp_gradient_none();
     sp_error reason = {0};
     char what[64];
     snprintf(what, sizeof what, "source %d, T = %g", (int)p->o.source, length);
@@ -164,11 +164,10 @@ static void run_time(stress_record *r, const char *name, problem *p, double leng
             stress_agree(r, name, "kt", what, (double)quad_abs(d[1] - g.kt.d[k]), g.kt.error[k],
                          fabs((double)d[1]) + 1e-300);
     }
-    sp_gradient_free(&g);
 }
 
 static void run_case(stress_record *r, const stress_case *c, uint64_t seed) {
-    sp_network net = c->make(c->value, seed);
+    FREED(sp_network) net = c->make(c->value, seed);
     exact x = exact_solve(&net);
     static const sp_source sources[] = {SP_SOURCE_IMPULSE, SP_SOURCE_DISPLACEMENT, SP_SOURCE_VELOCITY};
     double *scratch = calloc((size_t)sp_network_dofs(&net), sizeof *scratch);
@@ -192,7 +191,6 @@ static void run_case(stress_record *r, const stress_case *c, uint64_t seed) {
     }
     free(scratch);
     exact_free(&x);
-    sp_network_free(&net);
 }
 
 TEST(test_gradients) {

@@ -127,7 +127,7 @@ static void run_case(stress_record *r, const stress_case *c, uint64_t seed, int 
                                 {SP_SOURCE_IMPULSE, 100, 1e-10}, {SP_SOURCE_IMPULSE, 1e4, 1e-3},
                                 {SP_SOURCE_VELOCITY, 1e3, 1e-6}, {SP_SOURCE_DISPLACEMENT, 100, 1e-6},
                                 {SP_SOURCE_IMPULSE, 1e6, 1e-3},  {SP_SOURCE_DISPLACEMENT, 1e6, 1e-2}};
-    sp_network net = c->make(c->value, seed);
+    FREED(sp_network) net = c->make(c->value, seed);
     exact x = exact_solve(&net);
     for (size_t q = 0; q < sizeof all / sizeof *all; q++)
         if (!run(r, c->name, &net, &x, &all[q], index + (int)q) && all[q].tolerance >= c->served &&
@@ -136,7 +136,6 @@ static void run_case(stress_record *r, const stress_case *c, uint64_t seed, int 
             ++*unserved;
         }
     exact_free(&x);
-    sp_network_free(&net);
 }
 
 TEST(test_signals) {

@@ -112,14 +112,14 @@ TEST(test_network) {
     for (size_t q = 0; q < sizeof walls / sizeof *walls * 3; q++) {
         const int n = sizes[q % 3];
         const double wall = walls[q / 3];
-        sp_packing p = chain_packing(n, 1e-4);
+        FREED(sp_packing) p = chain_packing(n, 1e-4);
         for (int l = 0; l <= n; l++)
             if (p.contacts[l].j < 0) { /* k_n grows as the root of the overlap */
                 p.contacts[l].overlap *= wall * wall;
                 p.contacts[l].fn *= wall * wall * wall;
             }
         sp_network_options how = sp_network_options_default();
-        sp_network net = sp_network_none();
+        FREED(sp_network) net = sp_network_none();
         assert_ok(sp_network_make(&p, &how, &net, &err));
         double k = 0;
         for (int l = 0; l <= n; l++)
@@ -131,7 +131,7 @@ TEST(test_network) {
             const sp_chain chain = {.grains = n, .source = sources[s], .wall = wall};
             const double force = k * wall * (s ? k : rate);
             sp_signal_options o = sp_signal_options_default();
-            sp_signal signal = sp_signal_none();
+            FREED(sp_signal) signal = sp_signal_none();
             double t[POINTS], f[POINTS];
             o.source = s ? SP_SOURCE_DISPLACEMENT : SP_SOURCE_IMPULSE;
             o.until = (n < 10 ? 30 : 2.9) * n / rate;
@@ -142,10 +142,7 @@ TEST(test_network) {
             assert_ok(sp_chain_walls_signal(&chain, POINTS, t, f, &err));
             for (int l = 0; l < POINTS; l++) /* t is rounded, and F' is below 2 */
                 assert_close(signal.f[l], f[l] * force, signal.error + 1e-15 * (1 + t[l]) * force);
-            sp_signal_free(&signal);
         }
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 

@@ -30,7 +30,7 @@ TEST(test_restitution) {
         c.gravity = 1e-9;
         c.stiffness = 9806.7;
         c.e = e;
-        sp_tapped_state s;
+        FREED(sp_tapped_state) s;
         assert_ok(sp_tapped_state_make(&c, &s, &err));
         s.overlap[0] = -0.5;
         s.opening[0] = -1e5;
@@ -38,7 +38,6 @@ TEST(test_restitution) {
         assert_close(s.opening[0] / 1e5, sqrt((1 - e) / (1 + e)), 1e-12);
         if (fabs(e - 0.09) < 1e-9)
             assert_close(s.opening[0] / 1e5, 0.913708041620, 1e-12);
-        sp_tapped_state_free(&s);
     }
 }
 
@@ -67,7 +66,7 @@ TEST(test_elastic_modes) {
             c.particles = sizes[n];
             c.amplitude = 0;
             c.e = 0;
-            sp_tapped_state s, rest;
+            FREED(sp_tapped_state) s, rest;
             assert_ok(sp_tapped_state_make(&c, &s, &err));
             assert_ok(sp_tapped_state_make(&c, &rest, &err));
             double angle = (2 * k - 1) * PI / (4 * sizes[n] + 2);
@@ -83,8 +82,6 @@ TEST(test_elastic_modes) {
                 assert_close(s.overlap[i], rest.overlap[i], 1e-12 * size * PI / 2 + 2e-15);
                 assert_close(s.opening[i], speed, 1e-12 * omega * size + 4e-15 * omega);
             }
-            sp_tapped_state_free(&s);
-            sp_tapped_state_free(&rest);
         }
 }
 
@@ -118,7 +115,7 @@ TEST(test_energy_balance) {
     for (int k = 0; k < 60; k++) {
         double mass[3], radius[3];
         sp_tapped_spec c = random_spec(&r, k < 50 ? 30 : 150, k % 2 ? mass : NULL, radius);
-        sp_tapped_report report;
+        FREED(sp_tapped_report) report;
         assert_ok(sp_tapped_run(&c, 0, NULL, NULL, NULL, &report, &err));
         double before = report.initial_energy;
         for (int32_t tap = 0; tap < c.taps; tap++) {
@@ -130,7 +127,6 @@ TEST(test_energy_balance) {
             assert_true(t->dissipated >= 0 && (c.e > 0 || t->dissipated == 0));
             before = t->energy;
         }
-        sp_tapped_report_free(&report);
     }
 }
 
@@ -153,12 +149,11 @@ TEST(test_unlike_masses) {
         c.drop = 5 * sp_random_uniform(&r);
         c.taps = 1;
         c.period = 0.3;
-        sp_tapped_report report;
+        FREED(sp_tapped_report) report;
         sp_error err = {0};
         if (sp_tapped_run(&c, 0, NULL, NULL, NULL, &report, &err) != SP_OK)
             fail_msg("seed %d, column %d: %s", (int)seed, k, err.text);
         assert_close(report.tap[0].residual, 0, 1e-9);
-        sp_tapped_report_free(&report);
     }
     const double pair[] = {1.3, 5}, far[] = {1.3, 40};
     sp_tapped_spec c = sp_tapped_spec_default();
@@ -182,7 +177,7 @@ TEST(test_rest_states_are_a_band) {
         sp_tapped_spec c = sp_tapped_spec_default();
         c.particles = sizes[n];
         c.amplitude = 0;
-        sp_tapped_state s;
+        FREED(sp_tapped_state) s;
         assert_ok(sp_tapped_state_make(&c, &s, &err));
         double *kept = malloc((size_t)sizes[n] * sizeof *kept), unit = c.gravity / sp_tapped_stiffness(&c);
         assert_non_null(kept);
@@ -198,7 +193,6 @@ TEST(test_rest_states_are_a_band) {
         assert_ok(sp_tapped_map(&c, &s, 1, NULL, &err));
         assert_true(s.overlap[sizes[n] - 1] < unit * 1.0005 / (1 - c.e));
         free(kept);
-        sp_tapped_state_free(&s);
     }
 }
 

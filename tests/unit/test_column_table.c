@@ -34,7 +34,7 @@ TEST(shapes_of_the_tables) {
                     {SP_TAPPED_DENSITY, 17, 5, "t", "rho2"}};
     for (size_t k = 0; k < sizeof expected / sizeof *expected; k++) {
         const sp_tapped_spec c = small(expected[k].output);
-        sp_table t;
+        FREED(sp_table) t;
         assert_ok(sp_tapped_table(&c, 1, &t, &err));
         assert_int_equal(t.rows, expected[k].rows);
         assert_int_equal(t.columns, expected[k].columns);
@@ -42,7 +42,6 @@ TEST(shapes_of_the_tables) {
         assert_string_equal(t.column[t.columns - 1].name, expected[k].last);
         assert_string_equal(sp_table_get_text(&t, "stiffness"), "3922.68");
         assert_string_equal(sp_table_get_text(&t, "method"), "event");
-        sp_table_free(&t);
     }
 }
 
@@ -52,17 +51,15 @@ TEST(the_last_row_is_the_end) {
     for (size_t k = 0; k < sizeof periods / sizeof *periods; k++) {
         c.period = periods[k];
         c.step = 0; /* a hundredth: of no binary fraction */
-        sp_table t;
+        FREED(sp_table) t;
         assert_ok(sp_tapped_table(&c, 1, &t, &err));
         assert_int_equal(t.rows, 201);
         assert_true(fabs(sp_table_number(&t, 200, 0) - 2 * c.period) <= 1e-15);
-        sp_table_free(&t);
     }
     c.step = 100; /* longer than all: the start alone */
-    sp_table t;
+    FREED(sp_table) t;
     assert_ok(sp_tapped_table(&c, 1, &t, &err));
     assert_int_equal(t.rows, 1);
-    sp_table_free(&t);
 }
 
 TEST(long_lists_are_cut_in_comments) {
@@ -72,18 +69,17 @@ TEST(long_lists_are_cut_in_comments) {
     sp_tapped_spec c = small(SP_TAPPED_STROBE);
     c.mass = mass;
     c.masses = 40;
-    sp_table t;
+    FREED(sp_table) t;
     assert_ok(sp_tapped_table(&c, 1, &t, &err));
     const char *text = sp_table_get_text(&t, "mass");
     assert_non_null(text);
     assert_non_null(strstr(text, ", ... 40 values)"));
-    sp_table_free(&t);
 }
 
 TEST(warnings_stand_in_the_comments) {
     sp_tapped_report report = {.violated_at = 1.5, .violated = 3};
     const sp_tapped_spec c = small(SP_TAPPED_TRAJECTORY);
-    sp_table t = sp_table_none();
+    FREED(sp_table) t = sp_table_none();
     assert_ok(sp_tapped_comment_report(&c, &report, &t, &err));
     assert_true(has_comment(&t, "warning: ordering (1) violated at t = 1.5 s between particles 3 and 4"));
     report.violated = 0;
@@ -109,7 +105,6 @@ TEST(warnings_stand_in_the_comments) {
     literal.method = SP_TAPPED_RK4;
     assert_ok(sp_tapped_comment_model(&literal, &t, &err));
     assert_true(has_comment(&t, "warning: method rk4 is of first order"));
-    sp_table_free(&t);
 }
 
 static bool stop_at_half(double share, void *user) {

@@ -29,15 +29,15 @@ static void oscillator(double d, double w2, double u0, double v0, double t, doub
  * c = 2 zeta sqrt(m k), the difference also twice those between the balls, k and c/sqrt(2). */
 TEST(test_two_balls) {
     enum { POINTS = 60 };
-    sp_packing p = chain_packing(2, 1e-4);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = chain_packing(2, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
     const double m = net.mass[0], k = net.springs[0].kn;
     for (int source = 0; source < 3; source += 2)
         for (double zeta = 1e-4; zeta < 6; zeta *= 6.1) {
             const sp_signal_options o = options_of((sp_source)source, zeta, 40, POINTS);
             const double c = 2 * zeta * sqrt(m * k), start = source ? k : k / m;
             double exact[POINTS];
-            sp_signal s = sp_signal_none();
+            FREED(sp_signal) s = sp_signal_none();
             assert_ok(sp_signal_make(&net, &o, &s, &err));
             for (int l = 0; l < POINTS; l++) {
                 double us, vs, ud, vd;
@@ -50,20 +50,17 @@ TEST(test_two_balls) {
             assert_true(error <= s.error);
             assert_close(error, 0, 1e-13 * fmax(peak_of(POINTS, exact), 1e-3 * k * start));
             assert_int_equal(s.method, SP_SIGNAL_FABER);
-            sp_signal_free(&s);
         }
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Without dashpots the expansion is Chebyshev's; with few of them the difference is proportional to zeta. */
 TEST(test_weak) {
     enum { POINTS = 101 };
-    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    FREED(sp_network) net = network_of(&p, false);
     sp_signal_options o = options_of(SP_SOURCE_IMPULSE, 0, 200, POINTS);
     const sp_place to[] = {{.kind = SP_PLACE_WALL}, {.kind = SP_PLACE_PLANE, .height = 5, .shear = true}};
-    sp_signal none = sp_signal_none(), weak = sp_signal_none(), weaker = sp_signal_none();
+    FREED(sp_signal) none = sp_signal_none(), weak = sp_signal_none(), weaker = sp_signal_none();
     o.to = to;
     o.detectors = 2;
     assert_ok(sp_signal_make(&net, &o, &weak, &err));
@@ -81,11 +78,6 @@ TEST(test_weak) {
                      two = difference(POINTS, none.f + b * POINTS, weaker.f + b * POINTS);
         assert_close(log10(one / two), 1, 0.02);
     }
-    sp_signal_free(&none);
-    sp_signal_free(&weak);
-    sp_signal_free(&weaker);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -29,22 +29,20 @@ TEST(test_reference) {
     for (int q = 0; q < 2; q++) {
         double t[MOST], velocity[MOST], impulse[MOST];
         const int n = reference_signal(signals[q], MOST, t, velocity, impulse);
-        sp_packing p = reference_packing(packings[q]);
-        sp_network net = network_of(&p, false);
+        FREED(sp_packing) p = reference_packing(packings[q]);
+        FREED(sp_network) net = network_of(&p, false);
         assert_int_equal(n, 801);
         for (int source = 0; source < 2; source++)
             for (int method = SP_SIGNAL_AUTO; method <= (q == 0 ? SP_SIGNAL_DENSE : SP_SIGNAL_CHEBYSHEV); method++) {
                 const double *exact = source == SP_SOURCE_IMPULSE ? impulse : velocity, peak = peak_of(n, exact);
-                sp_signal s = signal_of(&net, options_of((sp_signal_method)method, (sp_source)source, t[n - 1], n));
+                FREED(sp_signal)
+                s = signal_of(&net, options_of((sp_signal_method)method, (sp_source)source, t[n - 1], n));
                 for (int k = 0; k < n; k++)
                     assert_close(s.t[k], t[k], 1e-12);
                 assert_close(difference(n, s.f, exact), 0, 5e-13 * peak);
                 assert_close(s.error, 0, 1e-11 * peak);
                 assert_int_equal(s.method, method == SP_SIGNAL_DENSE ? SP_SIGNAL_DENSE : SP_SIGNAL_CHEBYSHEV);
-                sp_signal_free(&s);
             }
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -59,7 +57,7 @@ static void check_bound(const char *name, const sp_network *net, double until, i
         const double peak = peak_of(points, exact);
         for (int method = SP_SIGNAL_CHEBYSHEV; method <= SP_SIGNAL_DENSE; method++) {
             sp_signal_options o = options_of((sp_signal_method)method, (sp_source)source, until, points);
-            sp_signal s = sp_signal_none();
+            FREED(sp_signal) s = sp_signal_none();
             sp_error err = {0};
             o.tolerance = 1e-9;
             if (sp_signal_make(net, &o, &s, &err) != SP_OK) { /* dense sums cannot see what has not arrived */
@@ -73,7 +71,6 @@ static void check_bound(const char *name, const sp_network *net, double until, i
                          method, until, error, s.error, peak);
             if (peak > 1e-5)
                 assert_true(s.error < 1e-10 * peak);
-            sp_signal_free(&s);
         }
     }
     free(t);
@@ -94,21 +91,19 @@ TEST(test_error_bound) {
                {"3D without friction", scattered_packing(3, 3, 0, 4), false},
                {"reference", without_tangential(reference_packing(REFERENCE("packing_N200_p1e-4.txt"))), true}};
     for (size_t q = 0; q < sizeof all / sizeof *all; q++) {
-        sp_packing p = all[q].p;
-        sp_network net = network_of(&p, all[q].prestress);
+        FREED(sp_packing) p = all[q].p;
+        FREED(sp_network) net = network_of(&p, all[q].prestress);
         for (size_t k = 0; k < (q < 7 ? 5 : 4); k++)
             check_bound(all[q].name, &net, spans[k], 41);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 /* Before anything can have arrived F is 0 beyond doubt, and afterwards small values are right relative to themselves:
  * no floor of rounding. */
 TEST(test_early) {
-    sp_packing p = chain_packing(20, 1e-4);
-    sp_network net = network_of(&p, false);
-    sp_signal s = signal_of(&net, options_of(SP_SIGNAL_CHEBYSHEV, SP_SOURCE_IMPULSE, 60, 61));
+    FREED(sp_packing) p = chain_packing(20, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
+    FREED(sp_signal) s = signal_of(&net, options_of(SP_SIGNAL_CHEBYSHEV, SP_SOURCE_IMPULSE, 60, 61));
     const double m = net.mass[0], k = net.springs[0].kn;
     assert_true(s.f[0] == 0);
     /* first term of the power series in t, through 19 springs: F = k (k/m) (k/m)^19 t^39/39! */
@@ -118,9 +113,6 @@ TEST(test_early) {
     first *= t;
     assert_relative(s.f[1], first, 0.01);
     assert_true(first < 1e-30);
-    sp_signal_free(&s);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_window) {
@@ -181,8 +173,8 @@ TEST(test_refusals) {
 /* Every allocation of every method fails once. */
 TEST(test_no_memory) {
     static const sp_place planes[] = {{.kind = SP_PLACE_PLANE, .height = 1}, {.kind = SP_PLACE_PLANE, .height = 2}};
-    sp_packing p = scattered_packing(2, 6, 0.5, 1);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = scattered_packing(2, 6, 0.5, 1);
+    FREED(sp_network) net = network_of(&p, false);
     for (int method = SP_SIGNAL_CHEBYSHEV; method <= SP_SIGNAL_FABER; method++) {
         sp_signal_options o = options_of((sp_signal_method)method, SP_SOURCE_IMPULSE, 30, 11);
         o.to = planes;
@@ -192,23 +184,17 @@ TEST(test_no_memory) {
         o.tolerance = method == SP_SIGNAL_VERLET || method == SP_SIGNAL_LAX_WENDROFF ? 1e-2 : o.tolerance;
         lacks_memory(NULL, &net, &o, 8);
     }
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Long times on a small network are cheaper by modes; both agree. */
 TEST(test_auto) {
-    sp_packing p = chain_packing(5, 1e-4);
-    sp_network net = network_of(&p, false);
-    sp_signal a = signal_of(&net, options_of(SP_SIGNAL_AUTO, SP_SOURCE_IMPULSE, 20000, 301));
-    sp_signal b = signal_of(&net, options_of(SP_SIGNAL_CHEBYSHEV, SP_SOURCE_IMPULSE, 20000, 301));
+    FREED(sp_packing) p = chain_packing(5, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
+    FREED(sp_signal) a = signal_of(&net, options_of(SP_SIGNAL_AUTO, SP_SOURCE_IMPULSE, 20000, 301));
+    FREED(sp_signal) b = signal_of(&net, options_of(SP_SIGNAL_CHEBYSHEV, SP_SOURCE_IMPULSE, 20000, 301));
     assert_int_equal(a.method, SP_SIGNAL_DENSE);
     assert_close(difference(a.n, a.f, b.f), 0, a.error + b.error);
     assert_true(b.products > 5000 && a.products == 0);
-    sp_signal_free(&a);
-    sp_signal_free(&b);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -19,9 +19,9 @@ TEST(test_two_ways) {
     enum { PACKINGS = 4 };
     double spread = 0, squares = 0, kubo = 0;
     for (unsigned seed = 1; seed <= PACKINGS; seed++) {
-        sp_packing p = cells_packing(SP_CELL_PERIODIC, 2, 300, 0.9, NULL, 0, seed);
-        sp_network net = network_of(&p, false);
-        sp_modes modes = modes_of(&net);
+        FREED(sp_packing) p = cells_packing(SP_CELL_PERIODIC, 2, 300, 0.9, NULL, 0, seed);
+        FREED(sp_network) net = network_of(&p, false);
+        FREED(sp_modes) modes = modes_of(&net);
         const double omega = 0.35 * modes.omega[modes.n - 1];
         double mean = 0;
         sp_kubo_options ko = sp_kubo_options_default();
@@ -39,9 +39,6 @@ TEST(test_two_ways) {
         spread += mean / PACKINGS;
         squares += mean * mean / PACKINGS;
         kubo += k.d / PACKINGS;
-        sp_modes_free(&modes);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
     const double error = sqrt((squares - spread * spread) / (PACKINGS - 1));
     assert_true(error < 0.2 * spread);
@@ -52,9 +49,9 @@ TEST(test_two_ways) {
  * the square lattice of smooth grains half of the modes move along y, with omega = w sin(k a/2). */
 TEST(test_lattice) {
     enum { ROWS = 40 };
-    sp_packing p = cells_square(6, ROWS, 0, 1e-3, 0);
-    sp_network net = network_of(&p, false);
-    sp_modes modes = modes_of(&net);
+    FREED(sp_packing) p = cells_square(6, ROWS, 0, 1e-3, 0);
+    FREED(sp_network) net = network_of(&p, false);
+    FREED(sp_modes) modes = modes_of(&net);
     sp_kubo_options ko = sp_kubo_options_default();
     const sp_spread_options so = sp_spread_options_default();
     const double a = net.length[0], top = 2 * sqrt(net.springs[0].kn / net.mass[0]);
@@ -78,9 +75,6 @@ TEST(test_lattice) {
         assert_ok(sp_spread_make(&net, omega, &so, &s, &err));
         assert_true(isnan(s.d) && isnan(s.d_err) && isnan(s.d_shift));
     }
-    sp_modes_free(&modes);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_bad_input) {

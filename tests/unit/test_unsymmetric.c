@@ -90,8 +90,8 @@ TEST(test_signals) {
     for (int h = 0; h < 4; h++) {
         const int q = halves[h], dim = 2 + q % 2;
         const sp_source source = q & 4 ? SP_SOURCE_DISPLACEMENT : SP_SOURCE_IMPULSE;
-        sp_packing p = packed(dim, q & 2 ? 1e-2 : 1e-4, 11 + (unsigned)q);
-        sp_network net = usual_network(&p);
+        FREED(sp_packing) p = packed(dim, q & 2 ? 1e-2 : 1e-4, 11 + (unsigned)q);
+        FREED(sp_network) net = usual_network(&p);
         const int64_t n = sp_network_dofs(&net);
         const double height = net.box[dim - 1], until = 40 * 2 * 3.14159265358979 / sp_network_omega_bound(&net);
         const sp_place wall = sp_place_wall();
@@ -103,7 +103,7 @@ TEST(test_signals) {
         for (int way = 0; way < 3; way++) { /* one pair; one source; three sources, more than detectors */
             const sp_place from[PLACES] = {to[2], wall, wall};
             sp_signal_options o = sp_signal_options_default();
-            sp_signal s = sp_signal_none();
+            FREED(sp_signal) s = sp_signal_none();
             o.source = source;
             o.until = until;
             o.points = POINTS;
@@ -123,7 +123,6 @@ TEST(test_signals) {
                 for (int l = 0; l < POINTS; l++)
                     assert_close(at[l], f[d * POINTS + l], s.error + 1e-12 * peak);
             }
-            sp_signal_free(&s);
         }
         const double times[] = {0, until};
         const sp_field_options first = {.source = source, .times = 1, .t = times},
@@ -139,15 +138,13 @@ TEST(test_signals) {
         assert_true(error < 1e-9 * peak);
         free(end);
         free(u);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 /* What needs symmetry says so, all of it in the same words. */
 TEST(test_refusals) {
-    sp_packing p = packed(2, 1e-4, 5);
-    sp_network net = usual_network(&p);
+    FREED(sp_packing) p = packed(2, 1e-4, 5);
+    FREED(sp_network) net = usual_network(&p);
     const sp_signal_method methods[] = {SP_SIGNAL_DENSE, SP_SIGNAL_SPARSE, SP_SIGNAL_VERLET, SP_SIGNAL_LAX_WENDROFF,
                                         SP_SIGNAL_FABER};
     sp_error reason = {0};
@@ -166,13 +163,11 @@ TEST(test_refusals) {
         assert_int_equal(sp_modes_make(&net, &o, &ranges[k], &m, &reason), SP_EREFUSED);
         assert_true(*reason.text);
     }
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Every allocation of what a network without symmetry needs fails once: the reason is told, nothing is left behind. */
 TEST(test_no_memory) {
-    sp_packing p = packed(2, 1e-4, 6);
+    FREED(sp_packing) p = packed(2, 1e-4, 6);
     sp_network net = usual_network(&p), other = sp_network_none();
     const sp_place wall = sp_place_wall();
     sp_signal_options o = sp_signal_options_default();
@@ -188,7 +183,6 @@ TEST(test_no_memory) {
     EACH_ALLOCATION_FAILS(4, sp_moduli_make(&net, 0.5, &m, &err), );
     EACH_ALLOCATION_FAILS(4, sp_stability_make(&p, &net, &verdict, &err), );
     sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)
