@@ -323,7 +323,7 @@ static sp_status step(void *model, double until, const sp_tapped_frame *from, sp
     return status;
 }
 
-sp_status sp_tapped_conservative(const sp_tapped_spec *c, const sp_tapped_bsr_rows *rows, sp_tapped_report *report,
+sp_status sp_tapped_conservative(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
                                  sp_error *err) {
     fluid f = {0};
     const sp_tapped_bsr_scheme scheme = {&f, place, step};

@@ -23,7 +23,7 @@ static sp_status write_row(integration *w, const double *state, sp_error *err) {
     w->m->positions(w->m->model, state, w->y, w->v);
     w->y[0] = sp_tapped_floor(w->c, t);
     w->v[0] = sp_tapped_floor_velocity(w->c, t);
-    return w->rows->row(t, w->y, w->v, w->rows->user, err);
+    return w->rows->row(t, w->y, w->v, NULL, w->rows->user, err);
 }
 
 /* Writes the rows from s on and before s + h. A time that lies below the end of a phase only by rounding belongs to the

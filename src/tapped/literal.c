@@ -232,7 +232,7 @@ static sp_status check(const field *f, const sp_tapped_spec *c, sp_error *err) {
     return sp_tapped_check_time_step(c, bound, err);
 }
 
-sp_status sp_tapped_literal(const sp_tapped_spec *c, const sp_tapped_bsr_rows *rows, sp_tapped_report *report,
+sp_status sp_tapped_literal(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
                             sp_error *err) {
     field f = {.c = c};
     const sp_tapped_bsr_scheme scheme = {&f, place_particles, step};
