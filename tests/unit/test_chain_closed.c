@@ -277,9 +277,9 @@ TEST(test_bad_input) {
     const double fine[2] = {1, 2}, bad[][2] = {{NAN, 1}, {-1, 1}, {2, 1}, {0, INFINITY}};
     double f[2];
     sp_front front;
-    sp_status (*const of[])(int64_t, sp_chain_source, int64_t, const double *, double *,
-                            sp_error *) = {sp_chain_signal, sp_chain_modal, sp_chain_airy};
-    for (int k = 0; k < 3; k++) {
+    sp_status (*const of[])(int64_t, sp_chain_source, int64_t, const double *, double *, sp_error *) = {sp_chain_signal,
+                                                                                                        sp_chain_airy};
+    for (int k = 0; k < 2; k++) {
         assert_fails(of[k](0, SP_CHAIN_VELOCITY, 2, fine, f, &err), SP_EINVAL, "0 1");
         assert_fails(of[k](-4, SP_CHAIN_VELOCITY, 2, fine, f, &err), SP_EINVAL, "-4");
         assert_fails(of[k](INT64_MAX, SP_CHAIN_VELOCITY, 2, fine, f, &err), SP_EINVAL, "1 1000000000");
