@@ -202,7 +202,7 @@ static void check_power(claims *c, const sp_pack_spec *spec, const sp_packing *p
     dynamics d = moving(spec, p);
     double *rest = forces_of(&d, 0), power = 0, size = 0;
     stir(&d, draw, pow(10, between(draw, -5, 0)));
-    double *f = forces_of(&d, 0);
+    RELEASED double *f = forces_of(&d, 0);
     for (int32_t i = 0; i < d.n; i++) {
         const double *g = dynamics_grain(&d, i);
         for (int a = 0; a < d.dim; a++) {
@@ -215,7 +215,6 @@ static void check_power(claims *c, const sp_pack_spec *spec, const sp_packing *p
         }
     }
     claims_check(c, "dashpots take energy", power, 1000 * DBL_EPSILON * size);
-    free(f);
     free(rest);
     sp_dynamics_free(&d);
 }

@@ -268,7 +268,7 @@ static void check_causality(claims *c, const sp_network *net, const ends *e, con
 /* Sources and detectors add up: grain by grain to the whole walls. */
 static void check_walls(claims *c, const sp_network *net, sp_signal_options o) {
     const int32_t n = net->n;
-    sp_place *grain = calloc((size_t)n + 1, sizeof *grain);
+    RELEASED sp_place *grain = calloc((size_t)n + 1, sizeof *grain);
     FREED(sp_signal) all = sp_signal_none(), each = sp_signal_none();
     sp_error why = {0};
     int32_t count = 0;
@@ -295,7 +295,6 @@ static void check_walls(claims *c, const sp_network *net, sp_signal_options o) {
                 claims_check(c, "superposition", fabs(sum - all.f[q]), slack * (1 + count * DBL_EPSILON));
             }
     }
-    free(grain);
 }
 
 /* Bound of the rate at which dashpots of the value 1 act. */
@@ -382,7 +381,7 @@ static void check_driven(claims *c, const sp_network *net, sp_random *draw) {
     sp_harmonic_options o = sp_harmonic_options_default();
     FREED(sp_harmonic) h = sp_harmonic_none();
     FREED(sp_network) dashpots = sp_network_none();
-    double *dash = NULL;
+    RELEASED double *dash = NULL;
     sp_error why = {0};
     ends e;
     if (net->carried || !some_ends(c, net, draw, SP_SOURCE_IMPULSE, &e))
@@ -405,7 +404,6 @@ static void check_driven(claims *c, const sp_network *net, sp_random *draw) {
             if (!isnan(h.f[2 * k]))
                 claims_check(c, "driven", (double)cabsl(h.f[2 * k] + I * h.f[2 * k + 1] - f), h.error[k]);
         }
-    free(dash);
     free(e.sent);
 }
 
@@ -577,7 +575,7 @@ static void run(claims *c, sp_random *draw) {
         if (chance(draw, 0.3) && !net.prestress)
             disturb(&net, draw);
         const bool small = sp_network_dofs(&net) <= EXACT_MOST && !net.carried && STRESS_QUAD;
-        exact x = {0};
+        FREED(exact) x = {0};
         if (small)
             x = exact_solve(&net);
         check_stiffness(c, &net, draw);
@@ -593,7 +591,6 @@ static void run(claims *c, sp_random *draw) {
         check_sensitivity(c, &net, draw);
         if (!stable)
             check_field(c, &net, draw);
-        exact_free(&x);
     }
     sp_packing_free(&s.p);
 }

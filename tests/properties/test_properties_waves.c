@@ -192,7 +192,7 @@ static void check_chain(claims *c, const sp_network *net) {
     sp_modes_options o = sp_modes_options_default();
     FREED(sp_modes) m = sp_modes_none();
     sp_error why = {0};
-    extended *k = motion_matrix(net);
+    RELEASED extended *k = motion_matrix(net);
     if (tridiagonal(n, k) && claims_served(c, "modes of a chain", sp_modes_dense(net, &o, &m, &why), &why))
         for (int64_t q = 0; q < n && m.n - m.n_rattler == n; q++) {
             const extended w = m.omega[m.n_rattler + q], e = m.error[m.n_rattler + q];
@@ -200,7 +200,6 @@ static void check_chain(claims *c, const sp_network *net) {
             claims_true(c, "modes of a chain",
                         (low <= 0 || below(n, k, low * low - slack) <= q) && below(n, k, high * high + slack) > q);
         }
-    free(k);
 }
 
 /* ---- spectra ---------------------------------------------------------------------------------------------------- */

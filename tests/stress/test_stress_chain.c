@@ -53,7 +53,7 @@ static void compare_signal(stress_record *r, const char *network, const char *wh
 
 static void run(stress_record *r, int n, double wall) {
     const double t[TIMES] = {0, 1e-3, 0.7, n, 2.3 * n + 1, 10 * n + 3, 1e3, 2e4, 3e5};
-    exact x = solve_chain(n, wall);
+    FREED(exact) x = solve_chain(n, wall);
     double f[TIMES], worst = 0;
     quad want[TIMES];
     char network[48];
@@ -79,7 +79,6 @@ static void run(stress_record *r, int n, double wall) {
     }
     if (wall >= 1 && wall <= 1)
         stress_agree(r, network, "chain", "frequencies, relative", worst, 5e-16, 1);
-    exact_free(&x);
 }
 
 TEST(test_chains) {

@@ -131,11 +131,10 @@ static void run_sparse(stress_record *r, const stress_case *c, const sp_network 
 
 static void run_case(stress_record *r, const stress_case *c, uint64_t seed) {
     FREED(sp_network) net = c->make(c->value, seed);
-    exact x = exact_solve(&net);
+    FREED(exact) x = exact_solve(&net);
     run_dense(r, c, &net, &x, true);
     run_dense(r, c, &net, &x, false);
     run_sparse(r, c, &net, &x);
-    exact_free(&x);
 }
 
 TEST(test_modes) {

@@ -28,7 +28,7 @@ static quad area_of(const sp_network *net) {
 /* C_ab = (sum k d_a d_b - f_a . K^+ f_b)/V, with f = -B^T k d and the pseudo-inverse from the eigenvectors. */
 static void exact_moduli(const sp_network *net, const exact *x, quad c[STRAINED][STRAINED]) {
     const int n = x->n, dof = net->dof, strains = strains_of(net);
-    quad *f = calloc((size_t)(STRAINED * n), sizeof *f);
+    RELEASED quad *f = calloc((size_t)(STRAINED * n), sizeof *f);
     memset(c, 0, sizeof(quad) * STRAINED * STRAINED);
     for (int k = 0; k < net->n_springs; k++) {
         const sp_spring *s = &net->springs[k];
@@ -62,7 +62,6 @@ static void exact_moduli(const sp_network *net, const exact *x, quad c[STRAINED]
     for (int a = 0; a < strains; a++)
         for (int b = 0; b <= a; b++)
             c[b][a] = c[a][b] = c[a][b] / volume;
-    free(f);
 }
 
 /* Compares every modulus of a network, unless it is refused. Returns the largest error over the largest modulus. */

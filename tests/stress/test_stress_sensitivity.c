@@ -127,7 +127,7 @@ static void set_time(problem *p, double t) {
 static void differentiate(const problem *p, int k, quad out[2]) {
     const int n = p->x->n;
     const sp_spring *s = &p->net->springs[k];
-    stretches *x = calloc((size_t)n, sizeof *x);
+    RELEASED stretches *x = calloc((size_t)n, sizeof *x);
     out[0] = out[1] = 0;
     for (int m = 0; m < n; m++)
         x[m] = stretch_of(p->net, s, p->u + m * n);
@@ -139,7 +139,6 @@ static void differentiate(const problem *p, int k, quad out[2]) {
         const stretches gap = stretch_of_gap(p->net, s, p->gap[q] + 3 * k);
         add_product(out, -1, &gap, &field);
     }
-    free(x);
 }
 
 static void run_time(stress_record *r, const char *name, problem *p, double length, int stride) {
@@ -168,9 +167,9 @@ static void run_time(stress_record *r, const char *name, problem *p, double leng
 
 static void run_case(stress_record *r, const stress_case *c, uint64_t seed) {
     FREED(sp_network) net = c->make(c->value, seed);
-    exact x = exact_solve(&net);
+    FREED(exact) x = exact_solve(&net);
     static const sp_source sources[] = {SP_SOURCE_IMPULSE, SP_SOURCE_DISPLACEMENT, SP_SOURCE_VELOCITY};
-    double *scratch = calloc((size_t)sp_network_dofs(&net), sizeof *scratch);
+    RELEASED double *scratch = calloc((size_t)sp_network_dofs(&net), sizeof *scratch);
     sp_error reason;
     for (int s = 0; s < 3; s++) {
         problem p = {.net = &net, .x = &x, .o = sp_sensitivity_options_default()};
@@ -189,8 +188,6 @@ static void run_case(stress_record *r, const stress_case *c, uint64_t seed) {
             run_time(r, c->name, &p, 3000, 9);
         drop(&p);
     }
-    free(scratch);
-    exact_free(&x);
 }
 
 TEST(test_gradients) {

@@ -105,7 +105,7 @@ TEST(test_same_motion) {
     FREED(sp_network) net = carried_network(&p);
     sp_signal_options o = sp_signal_options_default();
     FREED(sp_signal) signal = sp_signal_none();
-    double *a = source_of(&net);
+    RELEASED double *a = source_of(&net);
     o.method = SP_SIGNAL_DYNAMICS;
     o.amplitude = 0.2;
     o.until = 20;
@@ -122,7 +122,6 @@ TEST(test_same_motion) {
         assert_true(sp_motion_force(&s, 0) / factor == signal.f[l]);
     }
     sp_motion_free(&s);
-    free(a);
 }
 
 static sp_packing lattice_packing(void) {

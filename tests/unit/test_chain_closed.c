@@ -81,7 +81,7 @@ TEST(test_long_chain) {
     enum { N = 100000, L = N + 1, ORDERS = 2 * 3 * L + 10, POINTS = 6 };
     const double t[POINTS] = {L - 100, L - 3.5, L + 20, 1.5 * L, 3 * L - 60, 3.0 * L};
     double f[2][POINTS];
-    extended *j = calloc(ORDERS, sizeof *j);
+    RELEASED extended *j = calloc(ORDERS, sizeof *j);
     for (int s = 0; s < 2; s++)
         assert_ok(sp_chain_signal(N, sources[s], POINTS, t, f[s], &err));
     for (int l = 0; l < POINTS; l++) {
@@ -99,7 +99,6 @@ TEST(test_long_chain) {
             assert_close(f[1][l], (double)b, 1e-12 * 2.19 / N);
         }
     }
-    free(j);
 }
 
 /* The general network, expansion and all, of a row of balls: with K l/c = sqrt(K m) in its units, a first ball of speed

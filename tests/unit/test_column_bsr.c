@@ -91,13 +91,12 @@ TEST(test_characteristics) {
             c.taps = 1;
             c.period = 0.06;
             c.cells = 8 << level;
-            column_rows r = run(&c, 6);
+            FREED(column_rows) r = run(&c, 6);
             error[level] = 0;
             for (int32_t i = 5; i <= 10; i++)
                 error[level] =
                     fmax(error[level], fabs(column_y(&r, 6, i) - characteristic(&c, column_y(&r, 0, i), 0.06,
                                                                                 which == SP_TAPPED_BSR_LITERAL)));
-            column_free(&r);
         }
         double order = log2(error[1] / error[2]);
         if (!(order > 0.8 && order < 1.4 && error[2] < 0.05))
@@ -111,7 +110,7 @@ TEST(test_collapse) {
         for (int32_t n = 1; n <= 100; n = n * 3 + 2) {
             sp_tapped_spec c = bsr((sp_tapped_bsr)which);
             c.particles = n;
-            column_rows r = run(&c, 100);
+            FREED(column_rows) r = run(&c, 100);
             assert_int_equal(r.report.violated, 0);
             assert_true(r.report.violated_at > 0 && r.report.violated_at < 0.1);
             assert_true(r.report.tap[0].separation < 0);
@@ -120,7 +119,6 @@ TEST(test_collapse) {
                 double gained = column_v(&r, 100, i) - column_v(&r, 75, i);
                 assert_relative(gained, -c.gravity, 1e-9);
             }
-            column_free(&r);
         }
 }
 
@@ -130,9 +128,8 @@ TEST(test_stiff_sigma) {
         sp_tapped_spec c = bsr((sp_tapped_bsr)which);
         c.alpha_v = 1e9;
         c.e = 0.99;
-        column_rows r = run(&c, 40);
+        FREED(column_rows) r = run(&c, 40);
         assert_true(r.report.steps < 20000);
-        column_free(&r);
     }
 }
 
@@ -150,7 +147,7 @@ TEST(test_rest) {
             c.amplitude = 0;
             c.taps = 1;
             c.cells = 4 << level;
-            column_rows r = run(&c, 50);
+            FREED(column_rows) r = run(&c, 50);
             sp_tapped_rest(&c, rest);
             double n = c.particles, sag = c.gravity / sp_tapped_stiffness(&c);
             drift[level] = 0;
@@ -164,7 +161,6 @@ TEST(test_rest) {
             }
             assert_true(r.report.error < 1e-13);
             assert_int_equal(r.report.violated, -1);
-            column_free(&r);
         }
         double order = log2(drift[0] / drift[2]) / 2;
         if (!(order > 1 && drift[1] < 0.002))
@@ -184,7 +180,7 @@ TEST(test_mass) {
             c.amplitude = amplitudes[a];
             c.taps = 3;
             c.period = 0.4;
-            column_rows r = run(&c, 120);
+            FREED(column_rows) r = run(&c, 120);
             assert_true(r.report.error < 1e-13);
             assert_true(r.report.steps > 100);
             for (int64_t row = 0; row <= 120; row++) {
@@ -193,7 +189,6 @@ TEST(test_mass) {
                     assert_true(column_y(&r, row, i + 1) > column_y(&r, row, i));
                 assert_true(column_y(&r, row, c.particles) < 1e3);
             }
-            column_free(&r);
         }
 }
 
@@ -205,14 +200,13 @@ TEST(test_free_fall) {
     c.drop = 20;
     c.taps = 1;
     c.period = 0.2; /* it would be down at sqrt(2 * 20/g) = 0.20196 s */
-    column_rows r = run(&c, 20);
+    FREED(column_rows) r = run(&c, 20);
     for (int64_t k = 0; k <= 20; k++)
         for (int32_t i = 1; i <= 7; i++) {
             double t = r.t[k];
             assert_close(column_y(&r, k, i), 20 + 2 * i - 1 - c.gravity * t * t / 2, 1e-10);
             assert_close(column_v(&r, k, i), -c.gravity * t, 1e-9);
         }
-    column_free(&r);
 }
 
 /* Momentum: a column in flight, compressed below and loose above, has nothing but gravity. The mean of its forty
@@ -223,7 +217,7 @@ TEST(test_flight) {
     c.amplitude = 8;
     c.taps = 1;
     c.period = 0.1;
-    column_rows r = run(&c, 20);
+    FREED(column_rows) r = run(&c, 20);
     double mean[3] = {0};
     for (int k = 0; k < 3; k++) {
         int64_t row = 11 + 2 * k; /* 0.055, 0.065, 0.075 s */
@@ -237,7 +231,6 @@ TEST(test_flight) {
             fmax(most, fabs((column_y(&r, 15, i) - 2 * column_y(&r, 13, i) + column_y(&r, 11, i)) / 1e-4 + c.gravity));
     assert_true(most > 0.1 * c.gravity);
     assert_relative((mean[2] - 2 * mean[1] + mean[0]) / 1e-4, -c.gravity, 0.01);
-    column_free(&r);
 }
 
 /* Against the lattice, the four taps of [B]'s five particles: the mean distance over the rows falls with the cells to
@@ -250,11 +243,10 @@ TEST(test_lattice) {
     for (int level = 0; level < 3; level++) {
         sp_tapped_spec d = bsr(SP_TAPPED_BSR_CONSERVATIVE);
         d.cells = 4 << level;
-        column_rows r = run(&d, 400);
+        FREED(column_rows) r = run(&d, 400);
         mean[level] = column_mean(&r, &exact);
-        column_free(&r);
     }
-    column_free(&exact);
+    column_rows_free(&exact);
     if (!(mean[0] > mean[1] && mean[1] > mean[2] && mean[0] < 0.14 && mean[1] < 0.1 && mean[2] < 0.085))
         fail_msg("mean distances %g %g %g cm", mean[0], mean[1], mean[2]);
 }
@@ -265,13 +257,11 @@ TEST(test_repeats) {
         c.bsr = (sp_tapped_bsr)which;
         c.taps = 2;
         c.period = 0.5;
-        column_rows all = run(&c, 100);
-        column_rows few = run(&c, 25); /* what rows are wanted changes nothing */
+        FREED(column_rows) all = run(&c, 100);
+        FREED(column_rows) few = run(&c, 25); /* what rows are wanted changes nothing */
         for (int64_t k = 0; k <= 25; k++)
             for (int32_t i = 0; i <= c.particles; i++)
                 assert_true(column_y(&few, k, i) == column_y(&all, 4 * k, i));
-        column_free(&all);
-        column_free(&few);
     }
 }
 

@@ -111,7 +111,7 @@ TEST(test_map_is_the_run) {
     assert_ok(sp_tapped_map(&c, &once, 5, NULL, &err));
     for (int k = 0; k < 5; k++)
         assert_ok(sp_tapped_map(&c, &twice, 1, NULL, &err));
-    column_rows rows = column_run(&c, 1, 5 * c.period, 5 * c.period);
+    FREED(column_rows) rows = column_run(&c, 1, 5 * c.period, 5 * c.period);
     double y[7], v[7];
     sp_tapped_positions(&c, &once, y, v);
     for (int32_t i = 0; i < 7; i++) {
@@ -119,7 +119,6 @@ TEST(test_map_is_the_run) {
         assert_close(y[i], column_y(&rows, 0, i + 1), 1e-11);
         assert_close(v[i], column_v(&rows, 0, i + 1), 1e-8);
     }
-    column_free(&rows);
 }
 
 /* [B]'s settings are not chaotic; one ball tapped every 0.15 s is. */

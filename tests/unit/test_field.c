@@ -18,7 +18,7 @@ static void by_modes(const sp_network *net, sp_source source, const sp_place *fr
     const sp_modes_range all = sp_modes_range_all();
     const sp_place wall = sp_place_wall();
     FREED(sp_modes) m = sp_modes_none();
-    double *a = calloc((size_t)n, sizeof *a);
+    RELEASED double *a = calloc((size_t)n, sizeof *a);
     assert_non_null(a);
     assert_ok(sp_network_source_at(net, source, from ? from : &wall, a, &err));
     assert_ok(sp_modes_make(net, &o, &all, &m, &err));
@@ -34,7 +34,6 @@ static void by_modes(const sp_network *net, sp_source source, const sp_place *fr
         for (int64_t k = 0; k < n; k++)
             u[k] += part * e[k] / sqrt(net->mass[k]);
     }
-    free(a);
 }
 
 static void compare(const sp_packing *p, const sp_place *from) {

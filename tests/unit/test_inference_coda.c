@@ -66,7 +66,7 @@ TEST(test_locate) {
     fill_times(t, 60, 300);
     const sp_coda_options o = options_of(t);
     FREED(sp_coda) c = sp_coda_none();
-    sp_coda_candidate *found = calloc((size_t)net.n, sizeof *found);
+    RELEASED sp_coda_candidate *found = calloc((size_t)net.n, sizeof *found);
     assert_ok(sp_coda_make(&net, &o, &c, &err));
     assert_ok(sp_coda_signal(&net, &o, -1, 0, before, &err));
     int hits = 0, tried = 0;
@@ -86,7 +86,6 @@ TEST(test_locate) {
             assert_relative(found[0].change, 1e-3, 0.05);
     }
     assert_true(hits > 0.95 * tried);
-    free(found);
 }
 
 /* With noise the probabilities mean what they say: the true grain is within the most probable ones that together have
@@ -98,7 +97,7 @@ TEST(test_probabilities) {
     fill_times(t, 60, 300);
     const sp_coda_options o = options_of(t);
     FREED(sp_coda) c = sp_coda_none();
-    sp_coda_candidate *found = calloc((size_t)net.n, sizeof *found);
+    RELEASED sp_coda_candidate *found = calloc((size_t)net.n, sizeof *found);
     assert_ok(sp_coda_make(&net, &o, &c, &err));
     assert_ok(sp_coda_signal(&net, &o, -1, 0, before, &err));
     const double noise = 5e-2 * peak_of(TIMES, before);
@@ -123,7 +122,6 @@ TEST(test_probabilities) {
     print_message("exact %d, covered %d of %d\n", exact, covered, TRIALS);
     assert_true(exact < TRIALS); /* else the noise tests nothing */
     assert_true(covered > 0.8 * TRIALS);
-    free(found);
 }
 
 /* Several sources and detectors know more: the error of the change falls. */

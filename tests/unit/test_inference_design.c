@@ -125,7 +125,7 @@ static void check_gradient(const sp_packing *p, sp_design_goal goal, sp_design_v
     double *weight = calloc(4 * n, sizeof *weight), *factor = weight + n, *gradient = factor + n, *way = gradient + n;
     double slope = 0;
     sp_design_value at, value[2];
-    uint8_t *rattler = calloc(n, 1);
+    RELEASED uint8_t *rattler = calloc(n, 1);
     o.goal = goal;
     o.vary = vary;
     o.band_low = 0.1;
@@ -147,7 +147,6 @@ static void check_gradient(const sp_packing *p, sp_design_goal goal, sp_design_v
         assert_ok(sp_design_evaluate(&d, factor, NULL, &value[side], NULL, &err));
     }
     assert_relative(slope, (value[0].objective - value[1].objective) / (2 * h), tolerance);
-    free(rattler);
     free(weight);
 }
 

@@ -56,7 +56,7 @@ TEST(test_sum_is_the_energy) {
             : which == 2 ? chain_packing(40, 1e-4)
                          : cells_packing(SP_CELL_PERIODIC, 2, 60, 0.9, NULL, 0, 3);
         FREED(sp_network) net = network_of(&p, which == 3);
-        motion m = random_motion(&net, 3);
+        FREED(motion) m = random_motion(&net, 3);
         double moment = 0, kinetic = 0, parts = 0;
         const double sum = energy_between(&net, &m, -1e9, 1e9, 0, &moment);
         for (int64_t k = 0; k < m.n; k++)
@@ -65,7 +65,6 @@ TEST(test_sum_is_the_energy) {
             parts += m.e[i].along + m.e[i].across + m.e[i].rotation;
         assert_relative(parts, kinetic, 1e-13);
         assert_relative(sum, kinetic + 0.5 * sp_network_energy2(&net, m.u), 1e-12);
-        motion_free(&m);
     }
 }
 
@@ -99,7 +98,7 @@ static void integrate(const sp_network *net, motion *m, double until, const doub
 static void check_balance(const sp_packing *p, bool prestress, int axis, bool moment) {
     FREED(sp_network) net = network_of(p, prestress);
     const double top = net.box[net.dim - 1], planes[2] = {0.3 * top, 0.7 * top};
-    motion m = random_motion(&net, planes[0]);
+    FREED(motion) m = random_motion(&net, planes[0]);
     double before_moment = 0, after_moment = 0, flow[3];
     const double before = energy_between(&net, &m, planes[0], planes[1], axis, &before_moment);
     integrate(&net, &m, 40, planes, axis, flow);
@@ -109,7 +108,6 @@ static void check_balance(const sp_packing *p, bool prestress, int axis, bool mo
     assert_close(after - before, flow[0] - flow[1], 1e-9 * all);
     if (moment)
         assert_close(after_moment - before_moment, flow[2], 1e-8 * all);
-    motion_free(&m);
 }
 
 TEST(test_balance) {
@@ -132,7 +130,7 @@ TEST(test_group_velocity) {
     FREED(sp_packing) p = cells_square(5, ROWS, 1, 1e-3, 0);
     FREED(sp_network) net = network_of(&p, false);
     const double a = net.length[0], root = sqrt(net.springs[0].kn / net.mass[0]);
-    motion m = random_motion(&net, 1e9);
+    FREED(motion) m = random_motion(&net, 1e9);
     for (int q = 1; q < ROWS / 2; q++) {
         const double k = 2 * M_PI * q / (ROWS * a), omega = 2 * root * sin(0.5 * k * a);
         double current = 0, sideways = 0, moment = 0;
@@ -147,14 +145,13 @@ TEST(test_group_velocity) {
         assert_close(sideways / energy, 0, 1e-12);
     }
     assert_fails(sp_transport_current(&net, m.u, m.v, 2, &(double){0}, &err), SP_EINVAL, "2");
-    motion_free(&m);
 }
 
 /* The displacements after an impulse are those of sp_signal_field. */
 TEST(test_advance) {
     FREED(sp_packing) p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     FREED(sp_network) net = network_of(&p, false);
-    motion m = random_motion(&net, 1e9);
+    FREED(motion) m = random_motion(&net, 1e9);
     double *u = calloc((size_t)m.n, sizeof *u), t = 300;
     const sp_field_options spec = {.times = 1, .t = &t};
     assert_ok(sp_network_source(&net, SP_SOURCE_IMPULSE, m.v, &err));
@@ -166,7 +163,6 @@ TEST(test_advance) {
     assert_true(difference((int)m.n, u, m.u) < 1e-11 * peak_of((int)m.n, u));
     assert_fails(sp_transport_advance(&net, -1, m.u, m.v, NULL, &err), SP_EINVAL, "-1");
     free(u);
-    motion_free(&m);
 }
 
 /* What a burst carries through a plane is what leaves the grains below it; all of it begins near the bottom. */
@@ -175,7 +171,7 @@ TEST(test_burst) {
     FREED(sp_packing) p = reference_packing(SOURCE_DIR "/packings/reference/packing_N600_p1e-4.txt");
     FREED(sp_network) net = network_of(&p, false);
     double *t = calloc(TIMES, sizeof *t), *below = calloc(TIMES * PLANES, sizeof *below), drift = 1;
-    sp_flux *flux = calloc(TIMES * PLANES, sizeof *flux);
+    RELEASED sp_flux *flux = calloc(TIMES * PLANES, sizeof *flux);
     const double planes[PLANES] = {8, 16}, h = 0.1;
     assert_true(t && below && flux);
     for (int l = 0; l < TIMES; l++)
@@ -211,14 +207,13 @@ TEST(test_burst) {
     assert_fails(sp_burst_make(&cell, &o, few, flux, NULL, &err), SP_EREFUSED, "walls");
     free(t);
     free(below);
-    free(flux);
 }
 
 /* Forces at rest that turn with their contacts have no energy. */
 TEST(test_no_energy) {
     FREED(sp_packing) p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     FREED(sp_network) net = network_of(&p, true);
-    motion m = random_motion(&net, 5);
+    FREED(motion) m = random_motion(&net, 5);
     sp_flux j;
     double x = 0;
     assert_true(net.carried);
@@ -226,14 +221,13 @@ TEST(test_no_energy) {
     assert_fails(sp_transport_flux(&net, m.u, m.v, 1, &x, &j, &err), SP_EREFUSED, "");
     assert_fails(sp_transport_current(&net, m.u, m.v, 0, &x, &err), SP_EREFUSED, "");
     assert_fails(sp_transport_advance(&net, 1, m.u, m.v, NULL, &err), SP_EREFUSED, "");
-    motion_free(&m);
 }
 
 /* A motion whose energy is below 0 grows, and is told like any other that does. */
 TEST(test_growth) {
     FREED(sp_packing) p = without_tangential(scattered_packing(2, 4, 0.5, 5));
     FREED(sp_network) net = network_of(&p, true);
-    motion m = random_motion(&net, 5);
+    FREED(motion) m = random_motion(&net, 5);
     for (int32_t k = 0; k < net.n_springs; k++)
         net.springs[k].kp *= 1e3;
     for (int64_t k = 0; k < sp_network_dofs(&net); k++)
@@ -241,7 +235,6 @@ TEST(test_growth) {
     assert_ok(sp_network_find_bounds(&net, &err));
     assert_true(sp_network_energy2(&net, m.u) < 0);
     assert_fails(sp_transport_advance(&net, 3, m.u, m.v, NULL, &err), SP_EREFUSED, "unstable");
-    motion_free(&m);
 }
 
 RUN_TESTS(NULL, NULL)

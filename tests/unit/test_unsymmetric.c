@@ -39,7 +39,7 @@ static void taylor_signal(const sp_network *net, sp_source source, const sp_plac
                           const sp_place *to, double until, int points, double *f, double *end) {
     const int64_t n = sp_network_dofs(net);
     double *u = calloc(6 * (size_t)n, sizeof *u), *v = u + n, *work = u + 2 * n;
-    double *seen = calloc((size_t)detectors * (size_t)n, sizeof *seen);
+    RELEASED double *seen = calloc((size_t)detectors * (size_t)n, sizeof *seen);
     assert_ok(sp_network_source_at(net, source, from, source == SP_SOURCE_DISPLACEMENT ? u : v, &err));
     for (int64_t k = 0; k < n; k++)
         v[k] /= net->mass[k];
@@ -59,7 +59,6 @@ static void taylor_signal(const sp_network *net, sp_source source, const sp_plac
     }
     memcpy(end, u, (size_t)n * sizeof *u);
     free(u);
-    free(seen);
 }
 
 static sp_packing packed(int dim, double pressure, uint64_t seed) {

@@ -10,7 +10,7 @@
 
 /* A field counts as having reached a block when its norm there exceeds this fraction of the first one. */
 #define REACHED 1e-19
-/* Factors of the rounding errors of sums, as in signal/pass_sum.c. */
+/* Factors of the rounding errors of sums, as in signal/pass.c. */
 #define MOMENT_ROUNDING 5.0
 #define PHASE_ROUNDING  5.0
 
