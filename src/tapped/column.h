@@ -5,8 +5,6 @@
 #include <math.h>
 #include <sonopack/tapped/tapped.h>
 
-static const double sp_tapped_pi = 3.14159265358979323846;
-
 /* The rows that the caller of a run asks for: n ascending times t. rho [N]: densities at the particles [g/cm], of BSR;
  * NULL of the other models. */
 typedef struct sp_tapped_rows {

@@ -112,7 +112,7 @@ static double measure_cells(fluid *f) {
  * velocity of the floor, and that of the column's fall. */
 static double stable_step(const fluid *f) {
     const sp_tapped_spec *c = f->c;
-    double speed = f->h * sqrt(f->stiffness / f->m) + 2 * sp_tapped_pi * c->frequency * c->amplitude +
+    double speed = f->h * sqrt(f->stiffness / f->m) + 2 * M_PI * c->frequency * c->amplitude +
                    sqrt(2 * c->gravity * fmax(0, c->drop)) + sqrt(c->gravity * f->dx);
     return safety * f->dx / speed;
 }

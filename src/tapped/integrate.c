@@ -126,7 +126,7 @@ static sp_status integrate_phase(integration *w, sp_tapped_tap *tap, double s, d
 
 static sp_status integrate_tap(integration *w, sp_tapped_tap *tap, double *energy, sp_error *err) {
     const sp_tapped_spec *c = w->c;
-    double omega = 2 * sp_tapped_pi * c->frequency, top = fmin(0.5 / c->frequency, c->period);
+    double omega = 2 * M_PI * c->frequency, top = fmin(0.5 / c->frequency, c->period);
     double *work = &w->state[w->m->size - 2];
     work[0] = work[1] = 0;
     w->steps = 0;

@@ -186,7 +186,7 @@ static double energy(void *model, double floor, const double *state) {
 /* The classical scheme is stable on the imaginary axis up to 2 sqrt(2). */
 static sp_status choose_fixed_step(const sp_tapped_spec *c, solver *m, sp_error *err) {
     double frequency = springs_frequency(&m->lattice), bound = 2 * sqrt(2) / frequency;
-    m->max_step = c->time_step > 0 ? c->time_step : 2 * sp_tapped_pi / frequency / STEPS_PER_CONTACT;
+    m->max_step = c->time_step > 0 ? c->time_step : 2 * M_PI / frequency / STEPS_PER_CONTACT;
     if (m->max_step > bound)
         return sp_fail_key(err, SP_EINVAL, "column.time_step",
                            " = %.17g s: the Runge-Kutta scheme is stable up to %.6g s, sqrt(2 m/(K (1 + "

@@ -1,6 +1,6 @@
 /* Loud pulses: the balance of energy and its order in the step, the linear limit and how it is approached, motion back
  * in time, agreement with `dynamics', bad input. */
-#include "amplitude/motion.h"
+#include "amplitude/loud_motion.h"
 #include "base/base.h"
 #include "carried.h"
 #include "making.h"

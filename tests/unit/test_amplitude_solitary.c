@@ -1,5 +1,5 @@
 /* Solitary waves of chains: their limits, and that the motion of a chain carries them without change. */
-#include "amplitude/motion.h"
+#include "amplitude/loud_motion.h"
 #include "base/base.h"
 #include "carried.h"
 

@@ -1,5 +1,5 @@
 /* Design: the set of allowed factors, gradients against differences, and optima that are known. */
-#include "inference/design.h"
+#include "inference/design_problem.h"
 
 #include "making.h"
 #include "reference.h"

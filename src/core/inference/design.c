@@ -1,6 +1,6 @@
 /* Design by projected gradients. */
-#include "inference/design.h"
 #include "base/base.h"
+#include "inference/design_problem.h"
 #include "packing/contact.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 #include "base/base.h"
 #include "base/vector.h"
 #include "elastic/equilibrium.h"
-#include "inference/design.h"
+#include "inference/design_problem.h"
 #include "inference/uncertain.h"
 #include "linalg/vector.h"
 #include "packing/contact.h"
@@ -13,22 +13,11 @@
 /* ---- the packing of changed grains ------------------------------------------------------------------------------- */
 
 static sp_status copy_all(const sp_packing *p, sp_packing *out, sp_error *err) {
-    const size_t n = (size_t)p->n;
-    sp_packing q = sp_packing_none();
-    sp_status status = sp_packing_alloc(&q, p->dim, p->n, p->n_contacts, err);
-    if (status == SP_OK && p->mass)
-        status = sp_packing_alloc_masses(&q, err);
-    if (status != SP_OK) {
-        sp_packing_free(&q);
+    sp_status status = sp_drawing_copy(p, p->n_contacts, out, err);
+    if (status != SP_OK)
         return status;
-    }
-    *out = *p;
-    out->x = memcpy(q.x, p->x, 3 * n * sizeof *q.x);
-    out->r = memcpy(q.r, p->r, n * sizeof *q.r);
-    out->mass = p->mass ? memcpy(q.mass, p->mass, n * sizeof *q.mass) : NULL;
-    out->inertia = p->mass ? memcpy(q.inertia, p->inertia, n * sizeof *q.inertia) : NULL;
-    out->contacts = memcpy(q.contacts, p->contacts, (size_t)p->n_contacts * sizeof *q.contacts);
-    out->scene = NULL;
+    memcpy(out->contacts, p->contacts, (size_t)p->n_contacts * sizeof *p->contacts);
+    out->n_contacts = p->n_contacts;
     return SP_OK;
 }
 

@@ -22,6 +22,8 @@ typedef struct sp_drawing {
     double mean_force;  /* of the listed contacts above the threshold 0 */
 } sp_drawing;
 
+/* Copies grains and walls, without the scene: with space for so many contacts, and none. */
+sp_status sp_drawing_copy(const sp_packing *p, int32_t room, sp_packing *out, sp_error *err);
 sp_status sp_errors_check(const sp_errors *e, sp_error *err);
 /* Does not copy p and errors. */
 sp_status sp_drawing_make(const sp_packing *p, const sp_errors *errors, sp_drawing *out, sp_error *err);
@@ -29,8 +31,7 @@ void sp_drawing_free(sp_drawing *d);
 /* sp_packing_perturb. */
 sp_status sp_drawing_draw(const sp_drawing *d, uint64_t seed, int64_t sample, sp_packing *out, sp_error *err);
 
-/* ---- quantities
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- quantities -------------------------------------------------------------------------------------------------- */
 
 enum { SP_FRONT_MARKS = 5 };
 
@@ -55,8 +56,7 @@ double sp_inference_spacing(double pressure);
 /* The signal between the walls on these times. */
 sp_status sp_inference_signal(const sp_network *net, sp_source source, double window, sp_signal *out, sp_error *err);
 
-/* ---- the two ways
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- the two ways ------------------------------------------------------------------------------------------------ */
 
 /* First order: fills in first_order, shift and share of out->quantity; NAN where there are no derivatives. p: the
  * packing without errors (of overlaps: with contacts from its positions). */

@@ -1,5 +1,5 @@
-#ifndef SP_INFERENCE_DESIGN_H
-#define SP_INFERENCE_DESIGN_H
+#ifndef SP_INFERENCE_DESIGN_PROBLEM_H
+#define SP_INFERENCE_DESIGN_PROBLEM_H
 /* Parts of design: the packing made of changed grains, the objective with its gradient, and the set of factors that are
  * allowed. */
 

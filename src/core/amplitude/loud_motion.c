@@ -1,5 +1,5 @@
 /* One run of the nonlinear motion of a packing between its walls, and its balance of energy. */
-#include "amplitude/motion.h"
+#include "amplitude/loud_motion.h"
 #include "base/base.h"
 #include "base/vector.h"
 #include "network/place.h"

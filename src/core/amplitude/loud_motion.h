@@ -1,5 +1,5 @@
-#ifndef SP_AMPLITUDE_MOTION_H
-#define SP_AMPLITUDE_MOTION_H
+#ifndef SP_AMPLITUDE_LOUD_MOTION_H
+#define SP_AMPLITUDE_LOUD_MOTION_H
 /* One run of the nonlinear motion: records of forces, marks of contacts, energies. */
 
 #include "signal/sensor.h"

@@ -1,6 +1,6 @@
 /* Harmonics of a loud burst. The bottom wall moves, which in the linear limit pushes its grains as the source of
  * sp_signal_pulse does. */
-#include "amplitude/motion.h"
+#include "amplitude/loud_motion.h"
 #include "base/base.h"
 #include "numeric/fit.h"
 #include "signal/job.h"
