@@ -64,14 +64,13 @@ static void run(claims *c, sp_random *draw) {
     sp_error why = {0};
     c->words = s.words;
     for (int form = 0; form < 2 && sp_packing_check(&s.p, &why) == SP_OK; form++) {
-        sp_packing q = sp_packing_none();
+        FREED(sp_packing) q = sp_packing_none();
         if (form == 1 && (s.p.mass || sp_packing_has_stiffnesses(&s.p)))
             continue; /* text has no place for these */
         if (claims_served(c, names[form], written(form, &s.p, &q, &why), &why)) {
             check_same(c, &s.p, &q);
             check_contacts(c, &s.p, &q, form > 0 && s.p.dim == 2 ? 4 * DBL_EPSILON : 0);
         }
-        sp_packing_free(&q);
     }
     sp_packing_free(&s.p);
 }

@@ -163,7 +163,7 @@ const sp_field sp_fields[] = {
      NULL,                                                                                                             \
      LIMITS("column." name, REALS, tapped.member, AT(tapped.count), unit, low, high, false),                           \
      meaning},
-#include "tapped/keys.inc"
+#include "tapped/column_keys.inc"
 #undef KEY
 #undef LIST
 };

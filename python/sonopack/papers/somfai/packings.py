@@ -3,7 +3,6 @@ time; Figs. 9 and 10, its modes; Fig. 11, damped signals."""
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 

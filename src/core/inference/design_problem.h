@@ -1,5 +1,5 @@
-#ifndef SP_INFERENCE_DESIGN_H
-#define SP_INFERENCE_DESIGN_H
+#ifndef SP_INFERENCE_DESIGN_PROBLEM_H
+#define SP_INFERENCE_DESIGN_PROBLEM_H
 /* Parts of design: the packing made of changed grains, the objective with its gradient, and the set of factors that are
  * allowed. */
 
@@ -15,9 +15,6 @@ typedef struct sp_design_problem {
     const sp_packing *from; /* RADIUS: where a compression begins; NULL: p */
 } sp_design_problem;
 
-/* The packing of these factors [n]. Free it. */
-sp_status sp_design_apply(const sp_design_problem *d, const double *factor, sp_packing *out, sp_error *err);
-
 /* What is made as large as possible: ln t_10 and its like, whose gradient [n] by the factors may be NULL. `value` and
  * `error` as in sp_design_step. made: if not NULL, the packing of these factors; free it. */
 typedef struct sp_design_value {
@@ -30,11 +27,6 @@ sp_status sp_design_evaluate(const sp_design_problem *d, const double *factor, d
  * of them), and its derivatives by the values: weight [n]. scratch [n]. */
 double sp_design_band(int32_t n, double spacing, const double *f, double low, double high, double *scratch,
                       double *weight);
-
-/* Adds to by_radius [grains of the network] what a packing at rest does when radii change: grains move by the springs'
- * linear response until forces balance again, and the top wall follows under its load. g: with KN, KT and POSITION. */
-sp_status sp_design_respond(const sp_packing *p, const sp_network *net, const sp_gradient *g, double *by_radius,
-                            sp_error *err);
 
 /* Replaces factors by the nearest that are allowed: within the limits, and with the total, if it is kept. */
 void sp_design_project(const sp_design_problem *d, double *factor);

@@ -1,6 +1,5 @@
-/* One run of the nonlinear motion of a packing between its walls. */
-#include "amplitude/motion.h"
-
+/* One run of the nonlinear motion of a packing between its walls, and its balance of energy. */
+#include "amplitude/loud_motion.h"
 #include "base/base.h"
 #include "base/vector.h"
 #include "network/place.h"
@@ -8,14 +7,76 @@
 #include <math.h>
 #include <string.h>
 
+/* ---- energy ------------------------------------------------------------------------------------------------------ */
+
+/* Relative displacement at a contact: that of the centres, and of the points of contact without their motion along the
+ * normal at rest. */
+static void displacement(const vibration *m, const touching *t, double d[3], double side[3]) {
+    const double *x = m->u + 6 * (int64_t)t->i, *y = t->j >= 0 ? m->u + 6 * (int64_t)t->j : NULL;
+    double turn[3], arm[3];
+    for (int a = 0; a < 3; a++) {
+        d[a] = (y ? y[a] : 0) - x[a] + t->shift[a];
+        turn[a] = t->arm_i * x[3 + a] + (y ? t->arm_j * y[3 + a] : 0);
+    }
+    cross3(turn, t->n0, arm);
+    const double along = dot3(d, t->n0);
+    for (int a = 0; a < 3; a++)
+        side[a] = d[a] - along * t->n0[a] - arm[a];
+}
+
+/* E(overlap) - E(rest) + F(rest) . (displacement along the normal at rest), where E = 8/15 e overlap^(5/2). With the
+ * roots a and b of both overlaps, E(a) - E(b) + F(b) (b^2 - a^2) = 4/15 e (a - b)^2 (2a^3 + 4a^2 b + 6ab^2 + 3b^3). */
+static double normal_energy(const touching *t, const double d[3]) {
+    const double along = dot3(d, t->n0), rest = fmax(0, t->overlap);
+    double stretch = along, bend = 0; /* bend: stretch - along */
+    if (t->j >= 0) {
+        const double square = dot3(d, d), r = sqrt(t->length * t->length + 2 * t->length * along + square);
+        stretch = (2 * t->length * along + square) / (r + t->length);
+        bend = (square - along * stretch) / (r + t->length);
+    }
+    const double now = fmax(0, t->overlap - stretch), a = sqrt(now), b = sqrt(rest);
+    if (!(rest > 0))
+        return 8.0 / 15.0 * t->e * now * now * a;
+    if (!(now > 0))
+        return t->fn0 * (along - 0.4 * rest);
+    const double change = stretch / (a + b);
+    return 4.0 / 15.0 * t->e * change * change * (2 * a * a * a + 4 * a * a * b + 6 * a * b * b + 3 * b * b * b) -
+           t->fn0 * bend;
+}
+
+static double kinetic_energy(const vibration *m) {
+    double sum = 0;
+    for (int64_t i = 0; i < m->n; i++)
+        sum += 0.5 * (m->mass[2 * i] * dot3(m->v + 6 * i, m->v + 6 * i) +
+                      m->mass[2 * i + 1] * dot3(m->v + 6 * i + 3, m->v + 6 * i + 3));
+    return sum;
+}
+
+sp_amplitude_energy sp_motion_energy(const motion *s) {
+    sp_amplitude_energy e = {.input = s->input, .kinetic = kinetic_energy(&s->m)};
+    for (int32_t k = 0; k < s->m.count; k++) {
+        const touching *t = &s->m.touch[k];
+        const spring_work *w = &s->m.work[k];
+        double d[3], side[3];
+        displacement(&s->m, t, d, side);
+        e.normal += normal_energy(t, d);
+        if (!s->m.turns)
+            continue;
+        e.tangential += (w->whole - w->slid) - w->carried;
+        e.slid += w->slid;
+        e.released += dot3(t->ft0, side) - w->carried;
+    }
+    if (e.input > 0)
+        e.defect = fabs(e.kinetic + e.normal + e.tangential + e.slid - e.released - e.input) / e.input;
+    return e;
+}
+
 /* Largest gaps that are ever watched, in smallest radii: grains that fly so far are no packing any more. */
 #define FARTHEST 4.0
 
 void sp_motion_free(motion *s) {
-    for (int32_t b = 0; b < s->n_sensors && s->sensors; b++) {
-        sp_free(s->sensors[b].touch);
-        sp_free(s->sensors[b].sign);
-    }
+    for (int32_t b = 0; b < s->n_sensors && s->sensors; b++)
+        sp_sensor_free(&s->sensors[b]);
     sp_free(s->sensors);
     sp_free(s->seen);
     sp_free(s->m.work);
@@ -23,57 +84,21 @@ void sp_motion_free(motion *s) {
     *s = (motion){0};
 }
 
-/* ---- sensors ---------------------------------------------------------------------------------------------------- */
-
-/* Sign of a contact in the force on the top wall (height NULL), or on what lies above a plane. */
-static double sign_of(const motion *s, const double *height, const touching *t) {
-    const sp_packing *p = s->packing;
-    const int up = p->dim - 1;
-    int32_t low;
-    if (!height)
-        return t->j == SP_TOP ? -1 : 0;
-    return -sp_place_crossing(s->net, *height, p->x[3 * (int64_t)t->i + up], t->length * t->n0[up], t->j,
-                              t->j >= 0 ? p->x[3 * (int64_t)t->j + up] : 0, &low);
-}
-
-static sp_status make_sensor(const motion *s, const double *height, motion_sensor *out, sp_error *err) {
-    for (int32_t k = 0; k < s->m.count; k++)
-        out->n += sign_of(s, height, &s->m.touch[k]) != 0;
-    out->touch = sp_alloc((size_t)out->n, sizeof *out->touch);
-    out->sign = sp_alloc((size_t)out->n, sizeof *out->sign);
-    if (!out->touch || !out->sign)
-        return sp_fail_memory(err, (size_t)out->n * (sizeof *out->touch + sizeof *out->sign));
-    int32_t at = 0;
-    for (int32_t k = 0; k < s->m.count; k++) {
-        const double sign = sign_of(s, height, &s->m.touch[k]);
-        if (sign != 0) {
-            out->touch[at] = k;
-            out->sign[at++] = sign;
-        }
-    }
-    return SP_OK;
-}
-
+/* The top wall, then the planes. */
 static sp_status make_sensors(motion *s, int32_t planes, const double *height, sp_error *err) {
-    const int32_t n = planes + 1;
-    s->sensors = sp_alloc((size_t)n, sizeof *s->sensors);
-    if (!s->sensors)
-        return sp_fail_memory(err, (size_t)n * sizeof *s->sensors);
-    s->n_sensors = n;
     sp_status status = SP_OK;
-    for (int32_t b = 0; b < n && status == SP_OK; b++)
-        status = make_sensor(s, b > 0 ? &height[b - 1] : NULL, &s->sensors[b], err);
+    s->n_sensors = planes + 1;
+    s->sensors = sp_alloc((size_t)s->n_sensors, sizeof *s->sensors);
+    if (!s->sensors)
+        return sp_fail_memory(err, (size_t)s->n_sensors * sizeof *s->sensors);
+    for (int32_t b = 0; b < s->n_sensors && status == SP_OK; b++) {
+        const sp_place plane = {.kind = SP_PLACE_PLANE, .height = b > 0 ? height[b - 1] : 0}, top = sp_place_wall();
+        status = sp_sensor_make(s->packing, s->net, &s->m, b > 0 ? &plane : &top, &s->sensors[b], err);
+    }
     return status;
 }
 
-double sp_motion_force(const motion *s, int32_t sensor) {
-    const motion_sensor *e = &s->sensors[sensor];
-    const int up = s->m.dim - 1;
-    double sum = 0;
-    for (int32_t k = 0; k < e->n; k++)
-        sum += e->sign[k] * s->m.touch[e->touch[k]].force[up];
-    return sum;
-}
+double sp_motion_force(const motion *s, int32_t sensor) { return sp_sensor_read(&s->m, &s->sensors[sensor]); }
 
 /* ---- making ----------------------------------------------------------------------------------------------------- */
 
@@ -113,8 +138,7 @@ sp_status sp_motion_make(const sp_packing *p, const sp_network *net, double radi
     }
     if (status == SP_OK)
         status = make_sensors(&s, planes, height, err);
-    for (int32_t q = 0; q < net->n_springs && status == SP_OK; q++)
-        s.overlap += p->contacts[net->springs[q].contact].overlap / net->n_springs;
+    s.overlap = sp_mean_overlap(p, net);
     if (status == SP_OK)
         *out = s;
     else
@@ -132,33 +156,9 @@ void sp_motion_rest(motion *s) {
     s->input = s->time = 0;
 }
 
-/* Largest displacement, or velocity over omega_max, of a grain. */
-static double largest_of(const sp_network *net, const double *source, bool momenta) {
-    double largest = 0;
-    for (int32_t i = 0; i < net->n; i++) {
-        double square = 0;
-        for (int a = 0; a < net->dim; a++) {
-            const int64_t k = (int64_t)i * net->dof + a;
-            const double x = momenta ? source[k] / net->mass[k] / sp_network_omega_bound(net) : source[k];
-            square += x * x;
-        }
-        largest = fmax(largest, square);
-    }
-    return sqrt(largest);
-}
-
 double sp_motion_kick(motion *s, const double *source, bool momenta, double amplitude) {
-    const sp_network *net = s->net;
-    const double factor = amplitude * s->overlap / largest_of(net, source, momenta);
-    double *to = momenta ? s->m.v : s->m.u;
     sp_motion_rest(s);
-    for (int32_t i = 0; i < net->n; i++)
-        for (int a = 0; a < net->dof; a++) {
-            const int64_t k = (int64_t)i * net->dof + a;
-            const int at = a < net->dim ? a : net->dim == 2 ? 5 : a;
-            to[6 * (int64_t)net->grain[i] + at] = factor * (momenta ? source[k] / net->mass[k] : source[k]);
-        }
-    sp_vibration_begin(&s->m);
+    const double factor = sp_vibration_kick(&s->m, s->net, source, momenta, amplitude * s->overlap);
     const sp_amplitude_energy e = sp_motion_energy(s);
     s->input = e.kinetic + e.normal + e.tangential + e.slid - e.released;
     return factor;

@@ -1,20 +1,13 @@
-#ifndef SP_AMPLITUDE_MOTION_H
-#define SP_AMPLITUDE_MOTION_H
+#ifndef SP_AMPLITUDE_LOUD_MOTION_H
+#define SP_AMPLITUDE_LOUD_MOTION_H
 /* One run of the nonlinear motion: records of forces, marks of contacts, energies. */
 
-#include "packing/vibrate.h"
+#include "signal/sensor.h"
 
 #include <sonopack/amplitude.h>
 
 /* What has happened to a contact, in bits. */
 enum { CONTACT_SLID = 1, CONTACT_OPENED = 2, CONTACT_CLOSED = 4 };
-
-/* A sum of vertical contact forces: of the top wall, or through a plane. */
-typedef struct motion_sensor {
-    int32_t n;
-    int32_t *touch;
-    double *sign;
-} motion_sensor;
 
 #define SP_MOTION_NEAR 0.4
 
@@ -25,7 +18,7 @@ typedef struct motion {
     double radii;           /* gaps up to so many smallest radii are watched */
     double overlap;         /* mean over the carrying contacts */
     uint8_t *seen;          /* [m.count] */
-    motion_sensor *sensors; /* [n_sensors] */
+    motion_sensor *sensors; /* [n_sensors] vertical forces on the top wall, and through planes */
     int32_t n_sensors;
     double input; /* energy that the source has given */
     double time;

@@ -1,17 +1,30 @@
 /* The specification of a column: defaults, checks, and quantities that follow from it directly. */
 #include "base/base.h"
+#include "base/key.h"
 #include "tapped/column.h"
-#include "tapped/keys.h"
 
 #include <math.h>
 
 static const double one = 1;
 
+#define KEY(name, type, member, value, unit, low, high, zero, words, meaning)                                          \
+    {"column." name, SP_KEY_##type, offsetof(sp_tapped_spec, member), 0, unit, low, high, zero},
+#define LIST(name, member, value, count, values, unit, low, high, meaning)                                             \
+    {"column." name, SP_KEY_REALS, offsetof(sp_tapped_spec, member), offsetof(sp_tapped_spec, count), unit, low,       \
+     high,           false},
+
+/* Every member of sp_tapped_spec that a scene may give, with its range. */
+static const sp_key keys[] = {
+#include "tapped/column_keys.inc"
+    {NULL, SP_KEY_REAL, 0, 0, "", 0, 0, false}};
+#undef KEY
+#undef LIST
+
 sp_tapped_spec sp_tapped_spec_default(void) {
 #define KEY(name, type, member, value, ...)           .member = value,
 #define LIST(name, member, value, count, values, ...) .member = value, .count = values,
     return (sp_tapped_spec){
-#include "tapped/keys.inc"
+#include "tapped/column_keys.inc"
     };
 }
 
@@ -63,13 +76,13 @@ static double phase(const sp_tapped_spec *c, double t) {
 }
 
 double sp_tapped_floor(const sp_tapped_spec *c, double t) {
-    double omega = 2 * sp_tapped_pi * c->frequency, s = phase(c, t);
-    return omega * s < sp_tapped_pi ? c->amplitude * sin(omega * s) : 0;
+    double omega = 2 * M_PI * c->frequency, s = phase(c, t);
+    return omega * s < M_PI ? c->amplitude * sin(omega * s) : 0;
 }
 
 double sp_tapped_floor_velocity(const sp_tapped_spec *c, double t) {
-    double omega = 2 * sp_tapped_pi * c->frequency, s = phase(c, t);
-    return omega * s < sp_tapped_pi ? c->amplitude * omega * cos(omega * s) : 0;
+    double omega = 2 * M_PI * c->frequency, s = phase(c, t);
+    return omega * s < M_PI ? c->amplitude * omega * cos(omega * s) : 0;
 }
 
 double sp_tapped_density(const sp_tapped_spec *c, const double *y) {
@@ -85,7 +98,7 @@ static sp_status check_list(const char *key, int32_t n, sp_error *err) {
 }
 
 static sp_status check_ranges(const sp_tapped_spec *c, sp_error *err) {
-    sp_status status = sp_keys_check(sp_tapped_keys, c, err);
+    sp_status status = sp_keys_check(keys, c, err);
     if (status == SP_OK)
         status = check_list("column.mass", c->masses, err);
     return status == SP_OK ? check_list("column.radius", c->radii, err) : status;

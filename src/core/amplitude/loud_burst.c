@@ -1,13 +1,12 @@
 /* Harmonics of a loud burst. The bottom wall moves, which in the linear limit pushes its grains as the source of
  * sp_signal_pulse does. */
-#include "amplitude/motion.h"
+#include "amplitude/loud_motion.h"
 #include "base/base.h"
 #include "numeric/statistics.h"
+#include "signal/job.h"
 
 #include <complex.h>
 #include <math.h>
-#include <sonopack/pulse.h>
-#include <sonopack/signal.h>
 #include <string.h>
 
 /* Spacing of the record, and longest step, over 1/omega_max. */
@@ -222,21 +221,13 @@ static sp_status check(const sp_amplitude_options *o, const sp_amplitude_burst *
                : SP_OK;
 }
 
-/* Time of the linear front at the top wall. */
-static sp_status find_arrival(const experiment *e, double height, double *t10, sp_error *err) {
+/* The linear front at the top wall. */
+static sp_status find_front(const experiment *e, double height, sp_front *out, sp_error *err) {
     sp_signal_options o = sp_signal_options_default();
-    sp_signal s = sp_signal_none();
-    sp_front front = {0};
-    const sp_front_options rule = sp_front_options_default();
     o.method = SP_SIGNAL_CHEBYSHEV;
     o.until = sp_signal_window(height, e->net.pressure);
     o.points = (int32_t)ceil(20 * height) + 200;
-    sp_status status = sp_signal_make(&e->net, &o, &s, err);
-    if (status == SP_OK)
-        status = sp_front_find(s.n, s.t, s.f, &rule, &front, err);
-    sp_signal_free(&s);
-    *t10 = front.t10;
-    return status;
+    return sp_signal_front(&e->net, &o, out, err);
 }
 
 /* When the front comes back to each plane; the burst must have passed by then. */
@@ -307,7 +298,7 @@ static sp_status prepare(experiment *e, const sp_packing *p, const double *heigh
                          sp_error *err) {
     const sp_network_options links = {.threshold = 0, .prestress = true};
     const double top = sp_packing_height(p);
-    double t10 = 0;
+    sp_front front = {0};
     e->until = sp_alloc(2 * (size_t)e->planes, sizeof *e->until);
     if (!e->until)
         return sp_fail_memory(err, 2 * (size_t)e->planes * sizeof *e->until);
@@ -318,19 +309,19 @@ static sp_status prepare(experiment *e, const sp_packing *p, const double *heigh
     if (status == SP_OK)
         status = check_frequency(e, err);
     if (status == SP_OK)
-        status = find_arrival(e, top, &t10, err);
+        status = find_front(e, top, &front, err);
     if (status == SP_OK && height)
         memcpy(e->height, height, (size_t)e->planes * sizeof *height);
     else if (status == SP_OK)
-        status = place_planes(e, top, t10, err);
+        status = place_planes(e, top, front.t10, err);
     if (status == SP_OK)
         status = find_heights(e, top, plane, err);
     if (status == SP_OK)
-        status = find_ends(e, top, t10, plane, err);
+        status = find_ends(e, top, front.t10, plane, err);
     if (status == SP_OK)
         status = sp_motion_make(p, &e->net, SP_MOTION_NEAR, e->planes, e->height, &e->motion, err);
     e->load = e->net.pressure * sp_packing_wall_area(p);
-    e->slowness = t10 / top;
+    e->slowness = front.t10 / top;
     return status == SP_OK ? allocate(e, err) : status;
 }
 
