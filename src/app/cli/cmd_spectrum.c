@@ -143,7 +143,7 @@ static bool needs_modes(const spectrum_arguments *a, const sp_network_size *net)
 static sp_cost kind_cost(const spectrum_arguments *a, const sp_network_size *net, double rows,
                          const sp_machine *machine) {
     static const sp_network_result result[] = {SP_RESULT_DENSITY,  SP_RESULT_TRANSMISSION, SP_RESULT_DISPERSION,
-                                       SP_RESULT_HARMONIC, SP_RESULT_DENSITY,      SP_RESULT_CONTINUUM};
+                                               SP_RESULT_HARMONIC, SP_RESULT_DENSITY,      SP_RESULT_CONTINUUM};
     const int kind = a->common.kind;
     const sp_modes_options o = {.vectors = kind != DOS, .solver = (sp_modes_solver)a->solver};
     const sp_modes_range all = sp_modes_range_all();
