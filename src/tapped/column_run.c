@@ -2,9 +2,6 @@
 #include "base/base.h"
 #include "tapped/bsr.h"
 
-/* ---- limits on a run ----------------------------------------------------------------------------------------------
- */
-
 static sp_status check_times(const sp_tapped_spec *c, int64_t n, const double *t, sp_error *err) {
     double last = c->taps * c->period, end = last * (1 + 1e-12);
     for (int64_t i = 0; i < n; i++)
@@ -14,22 +11,7 @@ static sp_status check_times(const sp_tapped_spec *c, int64_t n, const double *t
     return SP_OK;
 }
 
-sp_status sp_tapped_check_steps(const sp_tapped_spec *c, int64_t steps, int64_t most, double t, sp_error *err) {
-    enum { INTERVAL = 256 }; /* steps between two calls of the user */
-    if (steps % INTERVAL != 0)
-        return SP_OK;
-    if (c->stopped && c->stopped(c->user))
-        return sp_fail(err, SP_EINTERRUPTED, "stopped at t = %.6g s: nothing is written", t);
-    if (most > 0 && steps > most)
-        return sp_fail(err, SP_EFAILED,
-                       "t = %.6g s: more than %lld steps per tap; change column.time_step, column.stiffness or "
-                       "column.amplitude to allow longer steps",
-                       t, (long long)(most / sp_tapped_taps(c)));
-    return SP_OK;
-}
-
-/* ---- runs -----------------------------------------------------------------------------------------------------------
- */
+/* ---- runs ------------------------------------------------------------------------------------------------------- */
 
 static sp_tapped_solver *solver_of(const sp_tapped_spec *c) {
     switch (c->model) {
@@ -95,8 +77,7 @@ sp_status sp_tapped_run(const sp_tapped_spec *c, int64_t n, const double *t, sp_
     return run(c, &rows, report, err);
 }
 
-/* ---- density along the column, by the definition of each model ------------------------------------------------------
- */
+/* ---- density along the column, by the definition of each model -------------------------------------------------- */
 
 typedef struct density_rows {
     const sp_tapped_spec *c;
