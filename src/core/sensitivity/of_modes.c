@@ -1,7 +1,7 @@
 /* Gradients of frequencies. With the modes e of a group and u = M^-1/2 e, the mean of omega^2 has the derivative
  * mean of u.dK u - omega^2 u.dM u: it does not depend on which basis of the group's space the modes are. */
 #include "base/base.h"
-#include "modes/rows.h"
+#include "modes/mode_table.h"
 #include "sensitivity/gradient.h"
 
 #include <float.h>
@@ -99,45 +99,5 @@ sp_status sp_sensitivity_modes(const sp_network *net, const sp_modes *modes, int
         out->value = value;
         out->error = error;
     }
-    return status;
-}
-
-/* A spring's stretches: along n, and the tangential ones. */
-static void stretches(const sp_network *net, const sp_spring *s, const double *u, double out[4]) {
-    double x[SP_LOCAL_MAX];
-    sp_products_local(net, s, u, x);
-    out[0] = sp_products_along(net, s->n, x);
-    sp_products_across(net, s->n, x, out + 1);
-}
-
-sp_status sp_sensitivity_split(const sp_network *net, const sp_modes *modes, int64_t first, int64_t count,
-                               int32_t spring, double *kn, double *kt, sp_error *err) {
-    double angle, *u, *rows;
-    sp_status status = sp_gradient_check(net, SP_BY_KN, NULL, err);
-    if (status == SP_OK)
-        status = check(net, modes, first, count, err);
-    if (status == SP_OK && (spring < 0 || spring >= net->n_springs))
-        status = sp_fail(err, SP_EINVAL, "spring %d, must be 0 .. %d", spring, net->n_springs - 1);
-    if (status == SP_OK)
-        status = find_angle(net, modes, first, count, &angle, err);
-    if (status != SP_OK)
-        return status;
-    u = sp_alloc((size_t)modes->dofs, sizeof *u);
-    rows = sp_alloc((size_t)count, 4 * sizeof *rows);
-    if (!u || !rows)
-        status = sp_fail_memory(err, (size_t)(modes->dofs + 4 * count) * sizeof *u);
-    for (int64_t k = 0; k < count && status == SP_OK; k++) {
-        displace(net, mode_of(modes, first + k), u);
-        stretches(net, &net->springs[spring], u, rows + 4 * k);
-    }
-    for (int64_t k = 0; k < count * count && status == SP_OK; k++) {
-        const double *x = rows + 4 * (k / count), *y = rows + 4 * (k % count);
-        if (kn)
-            kn[k] = x[0] * y[0];
-        if (kt)
-            kt[k] = x[1] * y[1] + x[2] * y[2] + x[3] * y[3];
-    }
-    sp_free(u);
-    sp_free(rows);
     return status;
 }
