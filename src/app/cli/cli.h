@@ -222,6 +222,9 @@ void cli_stop_patiently(void);
 /* Whether a file may be written. An existing file is replaced only with --force, and never by a file of another kind.
  * Call before the computation. */
 sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err);
+/* The same for the packing of an option, .h5 or .txt; and writes it. */
+sp_status cli_may_write_packing(const cli_common *common, const char *option, const char *path, sp_error *err);
+sp_status cli_save_packing(const sp_packing *p, const char *path, sp_error *err);
 /* The same for a file of modes, or a table. */
 sp_status cli_may_write_modes(const cli_common *common, const char *path, sp_error *err);
 /* The same for the table in common->output, which may be NULL. */

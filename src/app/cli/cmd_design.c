@@ -97,14 +97,8 @@ static bool is_band(const arguments *a) { return a->o.goal == SP_DESIGN_BAND; }
 
 static sp_status begin(void *user, cli_writer *w) {
     const arguments *a = user;
-    if (a->packing) {
-        const bool text = cli_has_ending(a->packing, ".txt");
-        if (!text && !cli_is_hdf5(a->packing))
-            return sp_fail(w->err, SP_EINVAL, "--packing %.200s: must end in .h5 or .txt", a->packing);
-        sp_status status = cli_may_write(&a->common, a->packing, w->err);
-        if (status != SP_OK)
-            return status;
-    }
+    if (a->packing)
+        w->status = cli_may_write_packing(&a->common, "--packing", a->packing, w->err);
     if (a->rows == ROWS_GRAINS) {
         cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
         cli_columns(w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "r", "d", "factor", "", NULL);
@@ -166,8 +160,7 @@ static sp_status design(void *user, cli_file *file, cli_writer *w) {
     }
     CLI_THEN(status, add_rows(a, &d, w));
     if (status == SP_OK && a->packing)
-        status = cli_has_ending(a->packing, ".txt") ? sp_packing_save_text(&d.packing, a->packing, w->err)
-                                                    : sp_packing_save(&d.packing, a->packing, w->err);
+        status = cli_save_packing(&d.packing, a->packing, w->err);
     sp_design_free(&d);
     return status;
 }
