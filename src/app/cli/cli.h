@@ -271,9 +271,11 @@ void cli_comment(cli_writer *w, const char *format, ...) __attribute__((format(p
 void cli_value(cli_writer *w, const char *key, double value);
 /* Columns of the quantities of a result, whose symbols stand between blanks. */
 void cli_quantity_columns(cli_writer *w, const sp_quantity *all, const char *symbols);
-/* The next cell of a row: a number, as the kind of its column has it, or a text, which lives until cli_end_row; those
- * of the quantities of a result. */
-void cli_put(cli_writer *w, double number);
+/* The next cells of a row: numbers, as the kinds of their columns have them; a text, which lives until cli_end_row;
+ * those of the quantities of a result. */
+void cli_put_numbers(cli_writer *w, int n, const double *number);
+#define cli_put(w, ...)                                                                                                \
+    cli_put_numbers(w, (int)(sizeof((double[]){__VA_ARGS__}) / sizeof(double)), (double[]){__VA_ARGS__})
 void cli_put_text(cli_writer *w, const char *text);
 void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbols, const void *of);
 void cli_end_row(cli_writer *w);

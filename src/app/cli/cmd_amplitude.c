@@ -28,10 +28,7 @@ typedef struct means {
 
 enum { WITH_ERRORS = 5, PLANES = 10 };
 
-static void put(cli_writer *w, sp_amplitude_number x) {
-    cli_put(w, x.value);
-    cli_put(w, x.error);
-}
+static void put(cli_writer *w, sp_amplitude_number x) { cli_put(w, x.value, x.error); }
 
 /* ---- fronts ------------------------------------------------------------------------------------------------------ */
 
@@ -88,8 +85,7 @@ static void front_columns(cli_writer *w) {
 
 static void begin_row(const cli_file *file, double amplitude, cli_writer *w) {
     cli_put_text(w, file->path);
-    cli_put(w, file->packing.pressure);
-    cli_put(w, amplitude);
+    cli_put(w, file->packing.pressure, amplitude);
 }
 
 static void front_row(const cli_file *file, const sp_amplitude_front *pulse, cli_writer *w) {
@@ -147,11 +143,7 @@ static void mean_rows(const means *m, cli_writer *w) {
     quantity_columns(w);
     for (int32_t k = 0; k < m->n; k++) {
         const group *g = &m->group[k];
-        cli_put(w, g->dim);
-        cli_put(w, g->friction);
-        cli_put(w, g->pressure);
-        cli_put(w, g->amplitude);
-        cli_put(w, (double)g->n);
+        cli_put(w, g->dim, g->friction, g->pressure, g->amplitude, (double)g->n);
         for (int q = 0; q < QUANTITIES; q++) {
             cli_put(w, g->sum[q] / (double)g->n);
             if (q < WITH_ERRORS)
@@ -209,9 +201,7 @@ static void add_plane(const cli_file *file, double amplitude, const sp_amplitude
     put(w, a->overpressure);
     put(w, a->speed);
     put(w, a->speed_peak);
-    cli_put(w, e.solitary);
-    cli_put(w, e.kdv);
-    cli_put(w, e.nesterenko);
+    cli_put(w, e.solitary, e.kdv, e.nesterenko);
     cli_end_row(w);
 }
 
@@ -279,11 +269,7 @@ static void add_summary(const sp_packing *p, const sp_amplitude_second *s, cli_w
     put(w, s->speed);
     put(w, s->slope);
     put(w, s->beta);
-    cli_put(w, delta * s->beta.value);
-    cli_put(w, delta * s->beta.error);
-    cli_put(w, field_beta(p, s->speed.value));
-    cli_put(w, s->energy.defect);
-    cli_put(w, s->step);
+    cli_put(w, delta * s->beta.value, delta * s->beta.error, field_beta(p, s->speed.value), s->energy.defect, s->step);
 }
 
 static void burst_rows(const cli_file *file, const sp_amplitude_options *o, const sp_amplitude_burst *burst,

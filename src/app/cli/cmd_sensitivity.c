@@ -205,8 +205,7 @@ static sp_status differentiate(const arguments *a, const cli_file *file, sp_grad
 static void put_partial(cli_writer *w, const sp_partials *d, int64_t k, double parameter) {
     if (d->n == 0)
         return;
-    cli_put(w, parameter * d->d[k]);
-    cli_put(w, parameter * d->error[k]);
+    cli_put(w, parameter * d->d[k], parameter * d->error[k]);
 }
 
 static void columns_of(cli_writer *w, const sp_partials *d, const char *name, const char *error, const char *unit) {
@@ -217,13 +216,10 @@ static void columns_of(cli_writer *w, const sp_partials *d, const char *name, co
 /* The middle of the line that a contact is drawn along. */
 static void put_contact(cli_writer *w, const sp_network *net, int32_t k) {
     const sp_spring *s = &net->springs[k];
-    cli_put(w, s->contact);
-    cli_put(w, net->grain[s->i]);
-    cli_put(w, s->j < 0 ? s->j : net->grain[s->j]);
+    cli_put(w, s->contact, net->grain[s->i], s->j < 0 ? s->j : net->grain[s->j]);
     for (int a = 0; a < net->dim; a++)
         cli_put(w, net->x[3 * (int64_t)s->i + a] + (s->j < 0 ? 1 : 0.5) * net->length[k] * s->n[a]);
-    cli_put(w, s->kn);
-    cli_put(w, s->kt);
+    cli_put(w, s->kn, s->kt);
 }
 
 static sp_status contact_rows(const cli_file *file, const sp_gradient *g, const char *unit, cli_writer *w) {
@@ -259,8 +255,7 @@ static sp_status grain_rows(const cli_file *file, const sp_gradient *g, const ch
         cli_put(w, net->grain[k]);
         for (int a = 0; a < net->dim; a++)
             cli_put(w, net->x[3 * (int64_t)k + a]);
-        cli_put(w, net->r[k]);
-        cli_put(w, mass);
+        cli_put(w, net->r[k], mass);
         put_partial(w, &g->mass, k, mass);
         put_partial(w, &g->radius, k, net->r[k]);
         for (int a = 0; a < net->dim && g->position.n > 0; a++)

@@ -394,8 +394,7 @@ static void print_values(const arguments *a, cli_writer *w) {
         for (int k = 0; k < (energy ? BURST_ROWS : 1); k++) {
             cli_put(w, a->omega[l]);
             if (energy) {
-                cli_put(w, burst_time(a, k / PLANES));
-                cli_put(w, (k % PLANES + 1.0) / (PLANES + 1));
+                cli_put(w, burst_time(a, k / PLANES), (k % PLANES + 1.0) / (PLANES + 1));
             }
             end_row(c, energy ? a->mean + ((int64_t)l * BURST_ROWS + k) * BURST_VALUES : means_at(a, l), w);
         }

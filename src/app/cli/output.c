@@ -301,14 +301,14 @@ void cli_quantity_columns(cli_writer *w, const sp_quantity *all, const char *sym
         cli_columns(w, SP_COLUMN_NUMBER, q->symbol, q->unit, NULL);
 }
 
-void cli_put(cli_writer *w, double number) {
-    if (w->status != SP_OK)
-        return;
-    sp_entry *cell = &w->cell[w->cells];
-    if (w->table->column[w->cells++].kind == SP_COLUMN_INTEGER)
-        cell->integer = (int64_t)number;
-    else
-        cell->number = number;
+void cli_put_numbers(cli_writer *w, int n, const double *number) {
+    for (int k = 0; k < n && w->status == SP_OK; k++) {
+        sp_entry *cell = &w->cell[w->cells];
+        if (w->table->column[w->cells++].kind == SP_COLUMN_INTEGER)
+            cell->integer = (int64_t)number[k];
+        else
+            cell->number = number[k];
+    }
 }
 
 void cli_put_text(cli_writer *w, const char *text) {
