@@ -80,6 +80,8 @@ typedef struct cli_option {
     const char *unit;  /* of a number: it may be given with another unit of the same dimension */
 } cli_option;
 
+#define CLI_FIELD(member) .field = offsetof(arguments, member) /* of the struct of that name in the command */
+
 /* The command line of one command. */
 typedef struct cli_syntax {
     const char *usage; /* the arguments; one line for each form */

@@ -69,7 +69,7 @@ static sp_status check(void *user, sp_error *err) {
 
 static const cli_option options[] = {
     {"margin", "D", "Leave layers of this thickness at all walls out of the density [d] (3)", CLI_NUMBER,
-     .field = offsetof(arguments, margin), .high = 1e6},
+     CLI_FIELD(margin), .high = 1e6},
     {"probe", "KIND",
      "Apparent moduli (repeatable): sine:N, a body force with N half waves between the walls; lines:N, N displaced "
      "lines of grains, N odd; or global, the imposed strain",
@@ -339,7 +339,7 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
 }
 
 int cmd_moduli(int argc, char **argv) {
-    static const cli_files command = {.groups = "network", .contents = CLI_NETWORK, .add = add_rows};
+    static const cli_files command = {CLI_OF_NETWORK, .add = add_rows};
     arguments a = {.margin = 3};
     cli_parse(&cmd_moduli_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);

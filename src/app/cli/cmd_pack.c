@@ -139,19 +139,18 @@ static sp_status check(void *user, sp_error *err) {
 
 static const cli_option options[] = {
     {"seed", "S", "Seed of the random numbers", CLI_INTEGER, .scene = true, .key = "packing.seed"},
-    {"state-every", "SECONDS", "Save the state of the compression this often (10)", CLI_NUMBER,
-     .field = offsetof(arguments, every), .high = 1e9},
+    {"state-every", "SECONDS", "Save the state of the compression this often (10)", CLI_NUMBER, CLI_FIELD(every),
+     .high = 1e9},
     CLI_DRY_RUN,
     {.help = "Packings that LAMMPS makes (docs/cluster.md):"},
     {"engine", "sonopack|lammps", "Program that compresses the packing (sonopack)", CLI_CHOICE,
-     .field = offsetof(arguments, engine.lammps), .words = engine_words},
-    {"ranks", "N", "Run LAMMPS on N ranks, by mpirun -n N", CLI_INTEGER, .field = offsetof(arguments, engine.ranks),
-     .low = 1, .high = 1000000},
-    {"lammps", "PATH", "The program LAMMPS (lmp)", CLI_TEXT, .field = offsetof(arguments, engine.program)},
-    {"prepare", "DIR", "Only write the input of LAMMPS to a folder", CLI_TEXT,
-     .field = offsetof(arguments, engine.prepare)},
+     CLI_FIELD(engine.lammps), .words = engine_words},
+    {"ranks", "N", "Run LAMMPS on N ranks, by mpirun -n N", CLI_INTEGER, CLI_FIELD(engine.ranks), .low = 1,
+     .high = 1000000},
+    {"lammps", "PATH", "The program LAMMPS (lmp)", CLI_TEXT, CLI_FIELD(engine.program)},
+    {"prepare", "DIR", "Only write the input of LAMMPS to a folder", CLI_TEXT, CLI_FIELD(engine.prepare)},
     {"collect", "DIR", "Only read what LAMMPS has made of the files of --prepare, and bring it to rest", CLI_TEXT,
-     .field = offsetof(arguments, engine.collect)},
+     CLI_FIELD(engine.collect)},
     {0}};
 
 const cli_syntax cmd_pack_syntax = {

@@ -284,23 +284,22 @@ static const cli_option options[] = {
     {"of", "QUANTITY",
      "What to differentiate: t10, t_peak, peak, t_zero or width of the first front; F, the signal at --at; omega:N or "
      "omega:N-M, the mean omega^2 of modes; c_l, c_t (or cl, ct), C11, C12, ... (t10)",
-     .parse = set_quantity, .field = offsetof(arguments, of)},
+     .parse = set_quantity, CLI_FIELD(of)},
     {"by", "LIST", "Parameters: kn,kt of the contacts; mass,radius,position of the grains; or pressure (kn,kt)",
-     .parse = set_parameters, .field = offsetof(arguments, by)},
-    {"at", "T", "Time of F [d/sqrt(E* / rho)]", CLI_NUMBER, .field = offsetof(arguments, at), .high = 1e9,
-     .unit = "d/sqrt(E* / rho)"},
+     .parse = set_parameters, CLI_FIELD(by)},
+    {"at", "T", "Time of F [d/sqrt(E* / rho)]", CLI_NUMBER, CLI_FIELD(at), .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"until", "T", "Last time at which the front is sought [d/sqrt(E* / rho)] (as of signal)", CLI_NUMBER,
-     .field = offsetof(arguments, until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
+     CLI_FIELD(until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"margin", "D", "c_l, c_t: leave layers of this thickness at all walls out of the density [d] (3)", CLI_NUMBER,
-     .field = offsetof(arguments, margin), .high = 1e6},
+     CLI_FIELD(margin), .high = 1e6},
     {"pulse", "PULSE", "Strength of the source against time: delta, gauss:WIDTH or ricker:OMEGA (delta)",
-     .parse = cli_pulse_parse, .field = offsetof(arguments, pulse)},
-    {"source", "impulse|velocity|displacement", "Kind of source, as in signal (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, source), .words = cli_source_names},
+     .parse = cli_pulse_parse, CLI_FIELD(pulse)},
+    {"source", "impulse|velocity|displacement", "Kind of source, as in signal (impulse)", CLI_CHOICE, CLI_FIELD(source),
+     .words = cli_source_names},
     {"from", "PLACE", "Source at bottom, part:X0:X1, plane:Y or grain:I (bottom)", .parse = cli_places_add,
-     .field = offsetof(arguments, sources)},
+     CLI_FIELD(sources)},
     {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top)", .parse = cli_places_add,
-     .field = offsetof(arguments, detectors)},
+     CLI_FIELD(detectors)},
     {0}};
 
 static sp_status check(void *user, sp_error *err) {
@@ -406,8 +405,7 @@ static sp_status compute(void *user, cli_file *file, cli_writer *w) {
 }
 
 int cmd_sensitivity(int argc, char **argv) {
-    static const cli_files command = {
-        .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = open_pulse, .add = compute};
+    static const cli_files command = {CLI_OF_NETWORK, .stop = true, .begin = open_pulse, .add = compute};
     arguments a = {.of = {.word = "t10", .front = SP_FRONT_T10},
                    .by = SP_BY_KN | SP_BY_KT,
                    .at = -1,

@@ -163,20 +163,19 @@ static sp_status check(void *user, sp_error *err) {
 }
 
 static const cli_option options[] = {
-    {"store", "DIR", "Folder of the samples; it is created if necessary", CLI_TEXT,
-     .field = offsetof(arguments, store)},
-    {"jobs", "N", "Number of samples computed at the same time (one per core)", CLI_INTEGER,
-     .field = offsetof(arguments, jobs), .low = 1, .high = 4096},
+    {"store", "DIR", "Folder of the samples; it is created if necessary", CLI_TEXT, CLI_FIELD(store)},
+    {"jobs", "N", "Number of samples computed at the same time (one per core)", CLI_INTEGER, CLI_FIELD(jobs), .low = 1,
+     .high = 4096},
     {"shard", "I/N", "Compute only every N-th sample, starting with the I-th", .parse = set_shard},
-    {"retry", NULL, "Try again the samples that are recorded as failed", CLI_FLAG, .field = offsetof(arguments, retry)},
+    {"retry", NULL, "Try again the samples that are recorded as failed", CLI_FLAG, CLI_FIELD(retry)},
     {"verify", NULL,
      "Make no sample: compute all results of the scene's samples, or of the store, again from the stored packings, and "
      "compare",
-     CLI_FLAG, .field = offsetof(arguments, verify)},
-    {"tolerance", "EPS", "With --verify: largest relative error that passes (2e-5)", CLI_NUMBER,
-     .field = offsetof(arguments, tolerance), .high = 1},
-    {"interval", "LEVEL", "Confidence level of the intervals, 0.5 to 0.999 (0.95)", CLI_NUMBER,
-     .field = offsetof(arguments, level), .low = SP_LEVEL_LEAST, .high = SP_LEVEL_MOST},
+     CLI_FLAG, CLI_FIELD(verify)},
+    {"tolerance", "EPS", "With --verify: largest relative error that passes (2e-5)", CLI_NUMBER, CLI_FIELD(tolerance),
+     .high = 1},
+    {"interval", "LEVEL", "Confidence level of the intervals, 0.5 to 0.999 (0.95)", CLI_NUMBER, CLI_FIELD(level),
+     .low = SP_LEVEL_LEAST, .high = SP_LEVEL_MOST},
     CLI_DRY_RUN,
     {0}};
 

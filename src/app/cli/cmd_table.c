@@ -373,21 +373,20 @@ static sp_status check(void *user, sp_error *err) {
 }
 
 static const cli_option options[] = {
-    {"store", "DIR", "Folder of the samples", CLI_TEXT, .field = offsetof(arguments, store)},
-    {"width", "W", "Only samples in boxes of this width [d]", CLI_NUMBER, .field = offsetof(arguments, filter.width),
+    {"store", "DIR", "Folder of the samples", CLI_TEXT, CLI_FIELD(store)},
+    {"width", "W", "Only samples in boxes of this width [d]", CLI_NUMBER, CLI_FIELD(filter.width),
      .key = "packing.width"},
-    {"grains", "N", "Only samples of N grains", CLI_INTEGER, .field = offsetof(arguments, filter.grains),
-     .key = "packing.grains"},
-    {"pressure", "P", "Only samples at this pressure [E*]", CLI_NUMBER, .field = offsetof(arguments, filter.pressure),
+    {"grains", "N", "Only samples of N grains", CLI_INTEGER, CLI_FIELD(filter.grains), .key = "packing.grains"},
+    {"pressure", "P", "Only samples at this pressure [E*]", CLI_NUMBER, CLI_FIELD(filter.pressure),
      .key = "packing.pressure"},
-    {"friction", "MU", "Only samples with this friction coefficient", CLI_NUMBER,
-     .field = offsetof(arguments, filter.friction), .key = "packing.friction"},
-    {"interval", "LEVEL", "Confidence level of the intervals, 0.5 to 0.999 (0.95)", CLI_NUMBER,
-     .field = offsetof(arguments, level), .low = SP_LEVEL_LEAST, .high = SP_LEVEL_MOST},
+    {"friction", "MU", "Only samples with this friction coefficient", CLI_NUMBER, CLI_FIELD(filter.friction),
+     .key = "packing.friction"},
+    {"interval", "LEVEL", "Confidence level of the intervals, 0.5 to 0.999 (0.95)", CLI_NUMBER, CLI_FIELD(level),
+     .low = SP_LEVEL_LEAST, .high = SP_LEVEL_MOST},
     {"bins", "N", "spectrum: number of bins of equal width (20 to 100, depending on the number of modes)", CLI_INTEGER,
-     .field = offsetof(arguments, bins), .low = 1, .high = CLI_BINS_MAX, .kinds = "spectrum"},
+     CLI_FIELD(bins), .low = 1, .high = CLI_BINS_MAX, .kinds = "spectrum"},
     {"omega-max", "OMEGA", "spectrum: last frequency (the largest of all samples, rounded up).", CLI_NUMBER,
-     .field = offsetof(arguments, omega_max), .low = 1e-12, .high = 1e9, .kinds = "spectrum"},
+     CLI_FIELD(omega_max), .low = 1e-12, .high = 1e9, .kinds = "spectrum"},
     {0}};
 
 const cli_syntax cmd_table_syntax = {

@@ -15,7 +15,7 @@
         "dry-run", NULL,                                                                                               \
             "Make and write nothing: print what would be made, and what CPU time, memory and disk it "                 \
             "would take",                                                                                              \
-            CLI_FLAG, .field = offsetof(arguments, common.dry_run)                                                     \
+            CLI_FLAG, CLI_FIELD(common.dry_run)                                                                        \
     }
 
 /* A plan under way. cli_plan_begin fills it. */
@@ -73,6 +73,8 @@ typedef struct cli_files {
     sp_status (*plan)(void *arguments, const cli_file *file, cli_plan *plan, sp_error *err);
     unsigned kernels; /* that cost the most: bits 1 << sp_kernel */
 } cli_files;
+
+#define CLI_OF_NETWORK .groups = "network", .contents = CLI_NETWORK
 
 /* Runs the command on common->file[] and writes the table. Returns the exit status. */
 int cli_run_files(const cli_files *command, void *arguments);
