@@ -29,12 +29,12 @@ DONE, FAILED, USAGE = 0, 1, 2
 
 #: the module of each command
 MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command",
-           "pack-lammps": "formats.engine", "bench": "bench",
-           "save-table": "formats.tables"}
+           "pack-lammps": "formats.engine", "bench": "bench", "save-table": "formats.tables"}
 
 #: which Debian package brings a module
 DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",
           "meshio": "python3-meshio"}
+
 
 class Failed(SonopackError):
     """The work failed (exit status 1): a file or a value at fault, and what would be right."""
@@ -42,9 +42,11 @@ class Failed(SonopackError):
     def __init__(self, text: str) -> None:
         super().__init__(text, Status.EFAILED)
 
+
 def usage(text: str) -> SonopackError:
     """The command line is wrong (exit status 2)."""
     return invalid("", text)
+
 
 # ---- options --------------------------------------------------------------------------------------------------------
 
@@ -106,10 +108,12 @@ class Parser(argparse.ArgumentParser):
             found["network.prestress"] = True
         return found
 
+
 class _Usage(argparse.Action):
     def __call__(self, parser: argparse.ArgumentParser, *_: Any) -> None:
         parser.print_usage()
         parser.exit()
+
 
 class _Words(argparse.Action):
     """The words that completion offers, one a line: options, then what the first argument may be."""
@@ -122,6 +126,7 @@ class _Words(argparse.Action):
             print(*words, sep="\n", end="\n" if words else "")
         parser.exit()
 
+
 def option(read: Callable[[str], Any]) -> Callable[[str], Any]:
     """The type of an option whose text a function of the library reads, so that its reason is told."""
     def convert(text: str) -> Any:
@@ -131,6 +136,7 @@ def option(read: Callable[[str], Any]) -> Callable[[str], Any]:
             raise argparse.ArgumentTypeError(str(fault)) from None
     return convert
 
+
 def whole(low: int, high: int) -> Callable[[str], int]:
     """The type of an option that takes an integer between two."""
     def read(text: str) -> int:
@@ -138,6 +144,7 @@ def whole(low: int, high: int) -> Callable[[str], int]:
             raise argparse.ArgumentTypeError(f"{text:.60}: must be an integer {low} .. {high}")
         return int(text)
     return read
+
 
 def number(low: float, high: float) -> Callable[[str], float]:
     """The type of an option that takes a finite number between two."""
@@ -153,9 +160,11 @@ def number(low: float, high: float) -> Callable[[str], float]:
         return value
     return read
 
+
 def cores() -> int:
     """How many cores this process may use: what --threads 0 means."""
     return len(os.sched_getaffinity(0))
+
 
 def amount(name: str, text: str, unit: str, span: tuple[float, float], material: Material | None) -> float:
     """The number of an option that is in our own unit, or has a unit of its own, as in "50 us", for which a material is needed."""
@@ -167,6 +176,7 @@ def amount(name: str, text: str, unit: str, span: tuple[float, float], material:
         raise usage(f"{name} {text:.60}: must be {span[0]:g} .. {span[1]:g} {unit}")
     return value
 
+
 def _setting(text: str, groups: Sequence[str]) -> tuple[str, Any]:
     key, equals, value = (part.strip() for part in text.partition("="))
     if not equals or not key:
@@ -174,6 +184,7 @@ def _setting(text: str, groups: Sequence[str]) -> tuple[str, Any]:
     if "." in key and key.split(".")[0] not in groups:
         raise usage(f"--set {text:.60}: must be a key of {' or '.join(groups)}")
     return key if "." in key else _whole_key(key, groups), SceneText(value)
+
 
 def _whole_key(key: str, groups: Sequence[str]) -> str:
     """The key of these groups that is given without its group."""
@@ -184,12 +195,14 @@ def _whole_key(key: str, groups: Sequence[str]) -> str:
         raise usage(f"--set {key:.60}: unknown key{hint}")
     return keys[key]
 
+
 # ---- messages -------------------------------------------------------------------------------------------------------
 
 def note(arguments: argparse.Namespace, text: str) -> None:
     """A message on stderr, unless --quiet is given."""
     if not arguments.quiet:
         print(f"sonopack: {text}", file=sys.stderr)
+
 
 def start(name: str) -> NoReturn:
     """Runs the command NAME with the arguments of the process, and ends the process with its status."""
@@ -217,20 +230,24 @@ def start(name: str) -> NoReturn:
     sys.stderr.flush()
     os._exit(status) # the library's threads and the drafts of stdout have nothing left to say
 
+
 def _end_by(number: signal.Signals) -> None:
     """Ends the process as the signal does by default, so that a shell sees it."""
     signal.signal(number, signal.SIG_DFL)
     os.kill(os.getpid(), number)
 
+
 def _tame(text: str) -> str:
     """A terminal obeys control characters, which names of files may have."""
     return "".join(c if c.isprintable() else "?" for c in text.encode(errors="replace").decode())
+
 
 # ---- files ----------------------------------------------------------------------------------------------------------
 
 _MAGIC = {b"\211HDF\r\n\032\n": "hdf5", b"\211PNG\r\n\032\n": "png", b"%PDF-": "pdf", b"MATLAB 5": "mat", b"\x1f\x8b": "gz"}
 _KINDS = {".h5": "hdf5", ".hdf5": "hdf5", ".png": "png", ".pdf": "pdf", ".mat": "mat", ".sac": "sac", ".gz": "gz", ".json": "json",
           ".txt": "packing", **dict.fromkeys((".svg", ".html", ".htm", ".vtp", ".pvd", ".vtm"), "markup")}
+
 
 def _kind_of(head: bytes) -> str:
     """The kind of a file that begins like this."""
@@ -243,6 +260,7 @@ def _kind_of(head: bytes) -> str:
         return "packing"
     first = head.lstrip()[:1]
     return "markup" if first == b"<" else "json" if first in (b"{", b"[") else "text"
+
 
 def may_write(arguments: argparse.Namespace, path: str, kinds: Sequence[str] | None, ending: str | None = None) -> None:
     """Refuses a file whose ending is none of `kinds` (None: of any), which exists without --force, or is of another kind than
@@ -267,6 +285,7 @@ def may_write(arguments: argparse.Namespace, path: str, kinds: Sequence[str] | N
     if not os.access(place.parent, os.W_OK | os.X_OK):
         raise Failed(f"cannot write in {place.parent}: no such folder, or no permission")
 
+
 @contextlib.contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[str]:
     """A name to write to, in the folder of `path`. At the end the file gets its own name; after a failure it is gone."""
@@ -289,6 +308,7 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[str]:
             os.unlink(draft)
         raise
 
+
 def write_table(arguments: argparse.Namespace, table: Table, material: Material | None = None) -> None:
     """Prints a table, or writes it to -o in the format of its ending; in SI units where asked for."""
     if arguments.units == "si":
@@ -297,3 +317,4 @@ def write_table(arguments: argparse.Namespace, table: Table, material: Material 
         table.save(arguments.output)
     else:
         sys.stdout.write(table.text(arguments.format or "tsv"))
+
