@@ -204,12 +204,23 @@ def note(arguments: argparse.Namespace, text: str) -> None:
         print(f"sonopack: {text}", file=sys.stderr)
 
 
+class _Stopped(BaseException):
+    """A signal ends the command, which first takes its drafts away."""
+
+
+def _stop(number: int, _: object) -> NoReturn:
+    raise _Stopped(number)
+
+
 def start(name: str) -> NoReturn:
     """Runs the command NAME with the arguments of the process, and ends the process with its status."""
     status = FAILED
     try:
         module = importlib.import_module(f"sonopack.{MODULES[name]}")
         parser = module.parser()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, _stop)
         status = module.run(parser.parse_intermixed_args(sys.argv[1:])) or DONE
         sys.stdout.flush()
     except SonopackError as fault:
@@ -220,8 +231,8 @@ def start(name: str) -> NoReturn:
         print(f"sonopack: {name} needs {package}, which is not installed", file=sys.stderr)
     except BrokenPipeError:
         _end_by(signal.SIGPIPE)
-    except KeyboardInterrupt:
-        _end_by(signal.SIGINT)
+    except _Stopped as stopped:
+        _end_by(stopped.args[0])
     except MemoryError:
         print("sonopack: out of memory", file=sys.stderr)
     except OSError as fault:
@@ -231,7 +242,7 @@ def start(name: str) -> NoReturn:
     os._exit(status) # the library's threads and the drafts of stdout have nothing left to say
 
 
-def _end_by(number: signal.Signals) -> None:
+def _end_by(number: int) -> None:
     """Ends the process as the signal does by default, so that a shell sees it."""
     signal.signal(number, signal.SIG_DFL)
     os.kill(os.getpid(), number)

@@ -12,9 +12,9 @@ import subprocess
 import sys
 import tempfile
 
+from command import COMMAND
 from common import faults
 from store_faults import shim
-from streams import COMMAND
 
 HERE = pathlib.Path(__file__).parent
 # kind of calls: (how it fails, errors)

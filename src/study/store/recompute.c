@@ -156,7 +156,7 @@ static sp_status compare_spectra(const sp_sample_arrays *stored, const sp_sample
     const double largest = again->modes > 0 ? again->omega[again->modes - 1] : 0;
     for (int64_t k = 0; k < again->modes; k++) {
         const double a = stored->omega[k], b = again->omega[k];
-        if (!(fabs(a * a - b * b) <= 1e-10 * largest * largest))
+        if (!(a >= 0 && fabs(a * a - b * b) <= 1e-10 * largest * largest))
             return sp_at_odds(err, "/results/spectrum/omega", a, b);
     }
     return SP_OK;
