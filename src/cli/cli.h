@@ -1,6 +1,6 @@
 #ifndef SP_CLI_H
 #define SP_CLI_H
-/* What the commands share: common options, exit statuses, messages and output. Only src/app prints or exits. */
+/* What the commands share: common options, exit statuses, messages and output. Only src/cli prints or exits. */
 
 #include "table/quantity.h"
 
