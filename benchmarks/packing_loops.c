@@ -13,8 +13,8 @@
 #include "base/base.h"
 #include "base/pool.h"
 #include "packing/compression.h"
+#include "packing/dynamics.h"
 #include "packing/kernel.h"
-#include "packing/neighbours.h"
 #include "packing/prepare.h"
 
 #include <math.h>

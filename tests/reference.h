@@ -46,12 +46,16 @@ static inline sp_packing reference_packing(const char *path) {
     return p;
 }
 
-static inline sp_network default_network(const sp_packing *p) {
-    const sp_network_options o = sp_network_options_default();
+static inline sp_network network_by(const sp_packing *p, sp_network_options o) {
     sp_network net = sp_network_none();
     assert_ok(sp_network_make(p, &o, &net, &err));
     return net;
 }
+
+static inline sp_network default_network(const sp_packing *p) { return network_by(p, sp_network_options_default()); }
+
+/* The network with options other than the usual ones: network_with(&p, .prestress = true). */
+#define network_with(p, ...) network_by(p, (sp_network_options){.threshold = 1e-4, __VA_ARGS__})
 
 /* Normal forces alone: with prestress its stiffness is still symmetric. */
 static inline sp_packing without_tangential(sp_packing p) {

@@ -7,7 +7,6 @@
 #include <sonopack/coda.h>
 #include <sonopack/coherent.h>
 #include <sonopack/cost.h>
-#include <sonopack/counts.h>
 #include <sonopack/design.h>
 #include <sonopack/elastic.h>
 #include <sonopack/front.h>

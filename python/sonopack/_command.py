@@ -1,7 +1,7 @@
 """What the commands in Python share: options, scenes, units, messages, files that appear whole, exit statuses.
 
-`sonopack plot`, `view`, `convert` and `reproduce` execute `sonopack-NAME`, which calls start(NAME). Each is a package with a
-module `command` that has parser(), which returns a Parser, and run(arguments), which does the work.
+`sonopack plot`, `view`, `convert`, `reproduce` and `bench` execute `sonopack-NAME`, which calls start(NAME). Each has a module
+with parser(), which returns a Parser, and run(arguments), which does the work.
 """
 from __future__ import annotations
 
@@ -29,11 +29,10 @@ DONE, FAILED, USAGE = 0, 1, 2
 
 #: the module of each command
 MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command",
-           "pack-lammps": "formats.engine"}
+           "pack-lammps": "formats.engine", "bench": "bench", "save-table": "formats.tables"}
 
 #: which Debian package brings a module
-DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",
-          "meshio": "python3-meshio"}
+DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py"}
 
 
 class Failed(SonopackError):
@@ -129,6 +128,7 @@ class _Words(argparse.Action):
 
 def option(read: Callable[[str], Any]) -> Callable[[str], Any]:
     """The type of an option whose text a function of the library reads, so that its reason is told."""
+
     def convert(text: str) -> Any:
         try:
             return read(text)
@@ -139,6 +139,7 @@ def option(read: Callable[[str], Any]) -> Callable[[str], Any]:
 
 def whole(low: int, high: int) -> Callable[[str], int]:
     """The type of an option that takes an integer between two."""
+
     def read(text: str) -> int:
         if not re.fullmatch(r"[+-]?\d+", text) or not low <= int(text) <= high:
             raise argparse.ArgumentTypeError(f"{text:.60}: must be an integer {low} .. {high}")
@@ -148,6 +149,7 @@ def whole(low: int, high: int) -> Callable[[str], int]:
 
 def number(low: float, high: float) -> Callable[[str], float]:
     """The type of an option that takes a finite number between two."""
+
     def read(text: str) -> float:
         if not re.fullmatch(r"[0-9+\-.eE]+", text):
             raise argparse.ArgumentTypeError(f"{text:.60}: must be a number {low:g} .. {high:g}")
@@ -204,12 +206,23 @@ def note(arguments: argparse.Namespace, text: str) -> None:
         print(f"sonopack: {text}", file=sys.stderr)
 
 
+class _Stopped(BaseException):
+    """A signal ends the command, which first takes its drafts away."""
+
+
+def _stop(number: int, _: object) -> NoReturn:
+    raise _Stopped(number)
+
+
 def start(name: str) -> NoReturn:
     """Runs the command NAME with the arguments of the process, and ends the process with its status."""
     status = FAILED
     try:
         module = importlib.import_module(f"sonopack.{MODULES[name]}")
         parser = module.parser()
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            if signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, _stop)
         status = module.run(parser.parse_intermixed_args(sys.argv[1:])) or DONE
         sys.stdout.flush()
     except SonopackError as fault:
@@ -220,8 +233,8 @@ def start(name: str) -> NoReturn:
         print(f"sonopack: {name} needs {package}, which is not installed", file=sys.stderr)
     except BrokenPipeError:
         _end_by(signal.SIGPIPE)
-    except KeyboardInterrupt:
-        _end_by(signal.SIGINT)
+    except _Stopped as stopped:
+        _end_by(stopped.args[0])
     except MemoryError:
         print("sonopack: out of memory", file=sys.stderr)
     except OSError as fault:
@@ -231,7 +244,7 @@ def start(name: str) -> NoReturn:
     os._exit(status) # the library's threads and the drafts of stdout have nothing left to say
 
 
-def _end_by(number: signal.Signals) -> None:
+def _end_by(number: int) -> None:
     """Ends the process as the signal does by default, so that a shell sees it."""
     signal.signal(number, signal.SIG_DFL)
     os.kill(os.getpid(), number)
@@ -245,7 +258,8 @@ def _tame(text: str) -> str:
 # ---- files ----------------------------------------------------------------------------------------------------------
 
 _MAGIC = {b"\211HDF\r\n\032\n": "hdf5", b"\211PNG\r\n\032\n": "png", b"%PDF-": "pdf", b"MATLAB 5": "mat", b"\x1f\x8b": "gz"}
-_KINDS = {".h5": "hdf5", ".hdf5": "hdf5", ".png": "png", ".pdf": "pdf", ".mat": "mat", ".gz": "gz", ".json": "json",
+_KINDS = {".h5": "hdf5", ".hdf5": "hdf5", ".png": "png", ".pdf": "pdf", ".mat": "mat", ".sac": "sac", ".gz": "gz",
+          ".json": "json",
           ".txt": "packing", **dict.fromkeys((".svg", ".html", ".htm", ".vtp", ".pvd", ".vtm"), "markup")}
 
 
@@ -255,7 +269,7 @@ def _kind_of(head: bytes) -> str:
         if head.startswith(magic):
             return kind
     if b"\0" in head:
-        return "unknown"
+        return "sac" if head[304:308] in (b"\6\0\0\0", b"\0\0\0\6") else "unknown"
     if re.match(rb"(\s*#[^\n]*\n)*\s*(# packing(?! =)|N +\d+ +Lx )", head):
         return "packing"
     first = head.lstrip()[:1]

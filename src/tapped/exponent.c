@@ -1,7 +1,7 @@
 /* The largest Lyapunov exponent: from the multipliers of a cycle where there is one, else from the growth of a tangent.
  */
 #include "base/base.h"
-#include "linalg/general.h"
+#include "linalg/eigen.h"
 #include "tapped/events.h"
 
 enum {

@@ -91,29 +91,3 @@ def extended_xyz(path):
         at += int(width)
     assert all(len(row) == at for row in rows)
     return head, columns
-
-
-# The words of a SAC header in their order, "-" for those that no program may use.
-SAC_NUMBERS = ("delta depmin depmax scale odelta b e o a - t0 t1 t2 t3 t4 t5 t6 t7 t8 t9 f resp0 resp1 resp2 resp3 resp4 "
-               "resp5 resp6 resp7 resp8 resp9 stla stlo stel stdp evla evlo evel evdp mag user0 user1 user2 user3 user4 "
-               "user5 user6 user7 user8 user9 dist az baz gcarc - - depmen cmpaz cmpinc xminimum xmaximum yminimum "
-               "ymaximum - - - - - - -").split()
-SAC_INTEGERS = ("nzyear nzjday nzhour nzmin nzsec nzmsec nvhdr norid nevid npts - nwfid nxsize nysize - iftype idep iztype - "
-                "iinst istreg ievreg ievtyp iqual isynth imagtyp imagsrc - - - - - - - - leven lpspol lovrok lcalda -").split()
-SAC_NAMES = ("kstnm kevnm - khole ko ka kt0 kt1 kt2 kt3 kt4 kt5 kt6 kt7 kt8 kt9 kf kuser0 kuser1 kuser2 kcmpnm knetwk kdatrd "
-             "kinst").split()
-
-
-def sac(path):
-    """{name: value} of what the header knows, and the values."""
-    data = open(path, "rb").read()
-    assert len(SAC_NUMBERS) == 70 and len(SAC_INTEGERS) == 40 and len(SAC_NAMES) == 24
-    numbers, integers = struct.unpack("<70f", data[:280]), struct.unpack("<40i", data[280:440])
-    head = {name: x for name, x in zip(SAC_NUMBERS, numbers) if x != -12345}
-    head.update({name: x for name, x in zip(SAC_INTEGERS[:35], integers) if x != -12345})
-    head.update(zip(SAC_INTEGERS[35:], integers[35:]))
-    names = {name: data[440 + 8 * k:448 + 8 * k].decode("ascii") for k, name in enumerate(SAC_NAMES)}
-    names["kevnm"] += names.pop("-")
-    head.update({name: text.strip() for name, text in names.items() if not text.startswith("-12345")})
-    assert head["nvhdr"] == 6 and len(data) == 632 + 4 * head["npts"], (head, len(data))
-    return head, np.frombuffer(data[632:], "<f4")

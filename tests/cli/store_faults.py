@@ -9,8 +9,8 @@ import shutil
 import signal
 import subprocess
 
+from command import COMMAND, run, sanitized
 from common import PATIENCE, made_now, wait_until
-from streams import COMMAND, run
 
 # quick packings; of the second stage all results, so that every file is written a second time
 SCENE = """
@@ -169,7 +169,7 @@ def stopped_at_random(reference, folder, signals, moments, seed):
 def shim(folder):
     """The compiled faults.c; None: there is no compiler, or the command has the sanitizers, which are to be first."""
     compiler = shutil.which("cc")
-    if not compiler or "libasan" in subprocess.run(["ldd", COMMAND], capture_output=True, text=True).stdout:
+    if not compiler or sanitized():
         return None
     source, library = pathlib.Path(__file__).with_name("faults.c"), folder / "faults.so"
     subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library, source, "-ldl"], check=True)

@@ -9,13 +9,12 @@ import os
 import pathlib
 import shutil
 import subprocess
-import tempfile
 
 import h5py
 
+from command import main, run
 from common import PATIENCE, names_all, sleeps, wait_until
 from store_faults import ENVIRONMENT, SMALL, Reference, content, one_line, samples, shim
-from streams import run
 
 # six good samples, made in one go
 SIX = SMALL.replace("1e-6, 1e-3", "1e-4, 1e-3").replace("samples = 2", "samples = 3").replace("max_steps = 3500;", "")
@@ -54,9 +53,10 @@ def forget(store):
     (store / "manifest.tsv").unlink()
 
 
-def changed_under_a_study(folder):
+def changed_under_a_study():
     """What was finished is changed before the last sample is made. Then no table may be printed that lacks it, and the
     next study completes the store. The index alone is no loss."""
+    folder = pathlib.Path().resolve()
     reference = Reference(folder / "changed", SIX, stages=((),))
     last = sorted(reference.content[0])[-1].removesuffix(".h5")
     for change in (remove, shorten, fill_with_zeros, exchange, forget):
@@ -79,8 +79,9 @@ def changed_under_a_study(folder):
         shutil.rmtree(store.with_name("moved"), ignore_errors=True)
 
 
-def newer_version(folder):
+def newer_version():
     """A sample of a format that a later version may have is neither renamed nor made again, and no table lacks it."""
+    folder = pathlib.Path().resolve()
     reference = Reference(folder / "newer", SIX, stages=((),))
     store = folder / "newer-store"
     shutil.copytree(reference.store[0], store)
@@ -98,8 +99,9 @@ def newer_version(folder):
     assert content(store) == before and not list(store.glob("*.bad"))
 
 
-def wrong_clock(folder):
+def wrong_clock():
     """The temporary file of another machine is left alone, even where this one's clock is a year ahead."""
+    folder = pathlib.Path().resolve()
     preload = shim(folder)
     if not preload:
         return "no cc, or a build with sanitizers"
@@ -118,23 +120,7 @@ def wrong_clock(folder):
         reference.check_end(store, 0)
         shutil.rmtree(store)
         store.mkdir()
+    return None
 
 
-def completions_in_a_file(folder):
-    """-o is obeyed: it was taken for nothing."""
-    path = folder / "sonopack.bash"
-    assert not run("completion", "bash", "-o", path).stdout
-    assert path.read_text() == run("completion", "bash").stdout
-    run("completion", "zsh", "-o", path, status=2)
-    assert run("completion", "bash", "-o", "/dev/full", status=1).stderr
-
-
-def main():
-    with tempfile.TemporaryDirectory(prefix="sonopack-faulty-") as folder:
-        for test in (changed_under_a_study, newer_version, wrong_clock, completions_in_a_file):
-            why_not = test(pathlib.Path(folder))
-            print(test.__name__, why_not or "ok", flush=True)
-
-
-if __name__ == "__main__":
-    main()
+main(changed_under_a_study, newer_version, wrong_clock)

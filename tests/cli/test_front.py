@@ -1,35 +1,25 @@
-"""sonopack front: packings and traces, told apart by their content; the rule against one written here; what has no front.
+"""front: packings and traces, told apart by their content; the rule against one written here; units; what has no front.
 
 usage: test_front.py COMMAND SOURCE_DIR
 """
 import pathlib
-import subprocess
-import sys
-import tempfile
+import re
 
 import numpy as np
 
+from command import MATERIAL, N200, REFERENCE, main, pack, refused, run, table, tried
 from common import names_all
 
-COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
-REFERENCE = SOURCE / "packings" / "reference"
 COLUMNS = ["file", "distance", "t10", "t_peak", "t_zero", "amplitude", "width"]
+T = np.arange(0, 200, 0.25)
 
 
-def run(*args, status=0):
-    done = subprocess.run([COMMAND, *map(str, args)], capture_output=True, text=True)
-    assert done.returncode == status, (args, done.returncode, done.stderr)
-    return done
+def write(path, f, comment="", t=T):
+    pathlib.Path(path).write_text(comment + "t\tF\n" + "".join(f"{x:.17g}\t{y:.17g}\n" for x, y in zip(t, f)))
 
 
-def front(*args, status=0):
-    lines = [line for line in run("front", *args, status=status).stdout.splitlines() if not line.startswith("#")]
-    assert not lines or lines[0].split("\t") == COLUMNS, lines
-    return [dict(zip(COLUMNS, line.split("\t"))) for line in lines[1:]]
-
-
-def numbers(row):
-    return np.array([float(row[name]) for name in COLUMNS[1:]])
+def pulse(at, width=8):
+    return np.exp(-((T - at) / width) ** 2 / 2) * np.cos((T - at) / (2 * width))
 
 
 def marks(t, f):
@@ -44,131 +34,99 @@ def marks(t, f):
     return at(up, 0.1 * f[peak]), t[peak], at(down, 0), f[peak]
 
 
-def reference_packings(folder):
+def numbers(found):
+    return np.array([found[name][0] for name in COLUMNS[2:]])
+
+
+def reference_packings():
     for size, height in ((200, 8.6958069203285007), (600, 24.663840944980521)):
-        signal = np.loadtxt(REFERENCE / f"signal_N{size}_p1e-4.txt")
-        packing = REFERENCE / f"packing_N{size}_p1e-4.txt"
-        for source, column in (("impulse", 2), ("velocity", 1)):
-            (row,) = front(packing, "--source", source)
-            found = numbers(row)
-            assert abs(found[0] - height) < 1e-12 and found[5] == found[3] - found[1]
+        signal, packing = REFERENCE / f"signal_N{size}_p1e-4.txt", REFERENCE / f"packing_N{size}_p1e-4.txt"
+        t, *forces = np.loadtxt(signal).T
+        for source, column in (("impulse", 1), ("velocity", 0)):
+            found = table("front", packing, "--source", source)
+            ours, theirs = numbers(found), marks(t, forces[column])
+            assert found.names == COLUMNS and abs(found["distance"][0] - height) < 1e-12 and ours[4] == ours[2] - ours[0]
             # the published signals have steps of 0.5: straight lines and grid peaks are that coarse
-            t10, t_peak, t_zero, height_of_peak = marks(signal[:, 0], signal[:, column])
-            assert abs(found[1] - t10) < 0.02 and abs(found[2] - t_peak) <= 0.25 and abs(found[3] - t_zero) < 0.01, row
-            assert 0 < found[4] / height_of_peak - 1 < 1.5e-3, (row, height_of_peak)
+            assert np.all(np.abs(ours[:3] - theirs[:3]) < [0.02, 0.251, 0.01]) and 0 < ours[3] / theirs[3] - 1 < 1.5e-3
             # the same trace as a file: rows apart by blanks, no header
-            (row,) = front(REFERENCE / f"signal_N{size}_p1e-4.txt", "--column", column + 1, "--window", 240)
-            assert row["distance"] == "nan"
-            assert np.allclose(numbers(row)[1:4], found[1:4], rtol=1.5e-3), (row, found)
-        (moved,) = front(packing, "--set", "network.prestress=true")
-        assert numbers(moved)[1] != found[1]
-        (plain,), (by_key,) = front(packing, "--source", "velocity"), front(packing, "--set", "signal.source=velocity")
-        assert plain == by_key
+            trace = table("front", signal, "--column", column + 2, "--window", 240)
+            assert np.isnan(trace["distance"][0]) and np.allclose(numbers(trace)[:3], ours[:3], rtol=1.5e-3)
+        by_option, by_key, moved = (table("front", packing, *words).body for words in (
+            ["--source=velocity"], ["--set=signal.source=velocity"], ["--set=network.prestress=true", "--source=velocity"]))
+        assert by_option == by_key != moved
 
 
-def packing_and_its_signal(folder):
+def packing_and_its_signal():
     """A packing in HDF5 form under a name that says nothing, and the signal that `signal' makes of it."""
-    packing = folder / "p.h5"
-    run("convert", REFERENCE / "packing_N200_p1e-4.txt", packing)
-    nameless = folder / "nothing"
-    nameless.write_bytes(packing.read_bytes())
-    (text,), (hdf5,) = front(REFERENCE / "packing_N200_p1e-4.txt"), front(nameless)
-    assert [text[c] for c in COLUMNS[1:]] == [hdf5[c] for c in COLUMNS[1:]]
-    trace = folder / "trace.tsv"
-    run("signal", packing, "--until", 109.56, "--points", 1097, "-o", trace)
-    (row,) = front(trace)
-    assert np.allclose(numbers(row)[1:], numbers(text)[1:], rtol=1e-4), (row, text)
+    pathlib.Path("nothing").write_bytes(pathlib.Path(pack("p.h5", grains=60, width=8)).read_bytes())
+    nameless, named = table("front", "nothing"), table("front", "p.h5")
+    assert nameless.rows[0][1:] == named.rows[0][1:]
+    run("signal", "p.h5", "--points", 2001, "-o", "trace.tsv")
+    assert np.allclose(numbers(table("front", "trace.tsv")), numbers(named), rtol=2e-4)
 
 
-def traces(folder):
-    t = np.arange(0, 200, 0.25)
-    first = np.exp(-((t - 40) / 8) ** 2 / 2) * np.cos((t - 40) / 16)
-    late = 3 * np.exp(-((t - 150) / 8) ** 2 / 2)
-    path = folder / "lab.tsv"
-
-    def write(columns, names, comments=()):
-        with open(path, "w") as out:
-            out.writelines(f"# {line}\n" for line in comments)
-            if names:
-                out.write("\t".join(names) + "\n")
-            out.writelines("\t".join(f"{x:.17g}" for x in row) + "\n" for row in zip(*columns))
-
-    write([t, first], ["t", "F"])
-    (row,) = front(path)
-    expected = marks(t, first)
-    assert np.allclose(numbers(row)[1:5], expected, rtol=0, atol=0.13), row
-    assert row["distance"] == "nan"
-    (row,) = front(path, "--distance", 12.5)
-    assert float(row["distance"]) == 12.5
+def traces():
+    first, late = pulse(40), 60 * np.exp(-((T - 150) / 8) ** 2 / 2)
+    write("lab.tsv", first)
+    found, expected = table("front", "lab.tsv"), marks(T, first)
+    assert np.allclose(numbers(found)[:4], expected, rtol=0, atol=0.13) and np.isnan(found["distance"][0])
+    assert table("front", "lab.tsv", "--distance", 12.5)["distance"][0] == 12.5
     # the window: eight heights + 40 at p = 1e-4; ten times as long in time at p = 1e-10
-    write([t, first + 20 * late], ["t", "F"], ["height = 7", "pressure = 1e-4"])
-    (row,) = front(path)
-    assert float(row["distance"]) == 7 and abs(float(row["t_peak"]) - expected[1]) < 0.5
-    (row,) = front(path, "--window", 200)
-    assert abs(float(row["t_peak"]) - 150) < 0.5
-    write([t, first + 20 * late], ["t", "F"], ["height = 7", "pressure = 1e-10"])
-    (row,) = front(path)
-    assert abs(float(row["t_peak"]) - 150) < 0.5
+    for pressure, words, peak in (("1e-4", (), expected[1]), ("1e-4", ("--window=200",), 150), ("1e-10", (), 150)):
+        write("lab.tsv", first + late, f"# height = 7\n# pressure = {pressure}\n")
+        found = table("front", "lab.tsv", *words)
+        assert found["distance"][0] == 7 and abs(found["t_peak"][0] - peak) < 0.5, (pressure, words)
     # columns by name and number; words beside numbers
-    write([t, np.sin(t), first], ["time", "microphone", "force"])
-    by_name, by_number = front(path, "--column", "force"), front(path, "--column", "3")
-    assert by_name == by_number and abs(float(by_name[0]["t_peak"]) - expected[1]) < 0.5
-    done = run("front", path, "--column", "farce", status=1)
-    assert names_all(done.stderr, "farce") and str(path) in done.stderr
-    run("front", path, "--column", "4", status=1)
+    rows = "".join(f"{x}\t{np.sin(x)}\t{y}\n" for x, y in zip(T, first))
+    pathlib.Path("lab.tsv").write_text("time\tmicrophone\tforce\n" + rows)
+    by_name = table("front", "lab.tsv", "--column=force")
+    assert by_name.body == table("front", "lab.tsv", "--column=3").body and abs(by_name["t_peak"][0] - expected[1]) < 0.5
+    for column in ("farce", "4"):
+        refused(f"lab.tsv {column}", "front", "lab.tsv", "--column", column, status=1)
 
 
-def units_and_notes(folder):
-    """Units are the trace's own, or none; what says nothing, or may be wrong, is told on stderr."""
-    t = np.arange(0, 100, 0.25)
-    pulse = np.exp(-((t - 60) / 8) ** 2 / 2) * np.cos((t - 60) / 16)
-    packing, ours, lab, noisy = REFERENCE / "packing_N200_p1e-4.txt", *(folder / f"{k}.tsv" for k in range(3))
-    run("signal", packing, "-o", ours)
-
-    def write(path, f, comment=""):
-        path.write_text(comment + "t\tF\n" + "".join(f"{x:.17g}\t{y:.17g}\n" for x, y in zip(t, f)))
-
-    def units(*paths):
-        lines = [line for line in run("front", *paths).stdout.splitlines() if line.startswith("# units: ")]
-        return lines[0] if lines else ""
-
+def units():
+    """They are the trace's own, or none; files of different units are refused."""
+    write("lab.tsv", pulse(60))
+    run("signal", N200, "-o", "ours.tsv")
     times = "t10 [{0}] t_peak [{0}] t_zero [{0}]"
-    write(lab, pulse)
-    assert units(lab) == "" and units(lab, packing) == "" and units(packing, lab) == ""
-    assert units(packing) == ("# units: distance [d] " + times.format("d/sqrt(E* / rho)")
-                              + " amplitude [E* d^2] width [d/sqrt(E* / rho)]")
-    assert units(ours) == units(packing, ours) == units(packing)
-    write(lab, pulse, "# units: t [ms] F [N]\n")
-    assert units(lab) == units(lab, lab) == "# units: " + times.format("ms") + " amplitude [N] width [ms]"
-    # a column has one unit: files of different units are refused, and so is another material of what is in SI already
-    seen = run("front", lab, ours, status=1)
-    assert names_all(seen.stderr, f"{ours} ms") and len(seen.stdout.splitlines()) == 4, seen
-    material = "E=70e9,nu=0.22,rho=2500,d=1e-3"
-    run("signal", packing, "--units", "si", "--material", material, "-o", noisy)
-    assert "# material" in run("front", noisy, "--units", "si", "--material", material).stdout
-    assert names_all(run("front", noisy, "--units", "si", "--material", "E=200e9,nu=0.3,rho=7800,d=1e-3", status=1).stderr,
-                     f"{noisy}")
-    noisy.unlink()
-    # options that are for the other kind of file
-    for args, reasons in ((["--source", "velocity"], ["--source"]),
-                          (["--set", "signal.source=velocity"], ["--set"]), ([], [])):
-        lines = run("front", lab, *args).stderr.splitlines()
-        assert len(lines) == len(reasons) and all(names_all(line, r) for r, line in zip(reasons, lines)), (args, lines)
-        assert run("front", lab, *args).stdout == run("front", lab).stdout
-        assert not run("front", packing, *args).stderr and not run("front", lab, *args, "-q").stderr
-    assert names_all(run("front", packing, "--column", 2).stderr, "--column")
+
+    def of(*paths):
+        return next((line for line in table("front", *paths).comments if line.startswith("units: ")), "")
+
+    assert of("lab.tsv") == of("lab.tsv", N200) == of(N200, "lab.tsv") == ""
+    assert of(N200) == of("ours.tsv") == of(N200, "ours.tsv") == (
+        "units: distance [d] " + times.format("d/sqrt(E* / rho)") + " amplitude [E* d^2] width [d/sqrt(E* / rho)]")
+    write("lab.tsv", pulse(60), "# units: t [ms] F [N]\n")
+    assert of("lab.tsv") == "units: " + times.format("ms") + " amplitude [N] width [ms]"
+    done = tried("front", "lab.tsv", "ours.tsv")
+    assert done.returncode == 1 and names_all(done.stderr, "ours.tsv ms") and len(done.stdout.splitlines()) == 4, done
+    run("signal", N200, "--units=si", MATERIAL, "-o", "si.tsv")
+    assert "material" in table("front", "si.tsv", "--units=si", MATERIAL).notes
+    refused("si.tsv", "front", "si.tsv", "--units=si", "--material=E=200e9,nu=0.3,rho=7800,d=1e-3", status=1)
+
+
+def warnings():
+    """What is for the other kind of file, and fronts that may be none, are told."""
+    for words, names in ((["--source=velocity"], "--source"), (["--set=signal.source=velocity"], "--set")):
+        done = run("front", "lab.tsv", *words)
+        assert names_all(done.stderr, names) and done.stdout == run("front", "lab.tsv").stdout
+        assert not run("front", N200, *words).stderr and not run("front", "lab.tsv", *words, "-q").stderr
+    assert names_all(run("front", N200, "--column", 2).stderr, "--column")
     # a precursor above a tenth: t10 is its, and that is told; an offset has no front
-    write(noisy, pulse + 0.15 * np.exp(-((t - 20) / 2) ** 2 / 2))
-    done = run("front", noisy)
-    assert names_all(done.stderr, f"{noisy} 2"), done.stderr
-    assert len(done.stderr.splitlines()) == 1
-    (row,) = front(noisy)
-    assert 15 < float(row["t10"]) < 20 and abs(float(row["t_peak"]) - 60) < 0.5
-    write(noisy, pulse + 0.3)
-    assert names_all(run("front", noisy, status=1).stderr, noisy)
+    write("noisy.tsv", pulse(60) + 0.15 * np.exp(-((T - 20) / 2) ** 2 / 2))
+    done = run("front", "noisy.tsv")
+    found = table("front", "noisy.tsv")
+    assert names_all(done.stderr, "noisy.tsv 2") and 15 < found["t10"][0] < 20 and abs(found["t_peak"][0] - 60) < 0.5
+    write("noisy.tsv", pulse(60) + 0.3)
+    refused("noisy.tsv", "front", "noisy.tsv", status=1)
+    # errors of a signal that reach its front
+    run("signal", N200, "--method=sparse", "--modes=20", "-o", "few.tsv")
+    refused("few.tsv error", "front", "few.tsv", status=1)
+    text, peak = pathlib.Path("ours.tsv").read_text(), table("front", "ours.tsv")["amplitude"][0]
+    for part, status in ((0, 0), (0.03, 0), (0.3, 1)):
+        pathlib.Path("error.tsv").write_text(re.sub(r"(error = |error )[\d.e+-]+$", rf"\g<1>{part * peak!r}", text, flags=re.M))
+        assert len(run("front", "error.tsv", status=status).stderr.splitlines()) == (part > 0), part
 
 
-with tempfile.TemporaryDirectory() as name:
-    for test in (reference_packings, packing_and_its_signal, traces, units_and_notes):
-        test(pathlib.Path(name))
-        print(test.__name__, "ok")
+main(reference_packings, packing_and_its_signal, traces, units, warnings)

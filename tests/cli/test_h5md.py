@@ -2,19 +2,13 @@
 
 usage: test_h5md.py COMMAND SOURCE_DIR
 """
-import os
 import shutil
-import subprocess
-import sys
-import tempfile
 
 import h5py
 import numpy as np
 
-from cells import box_of_disks, lattice, write_packing
-
-COMMAND = sys.argv[1]
-FOLDER = tempfile.mkdtemp(prefix="sonopack-h5md-")
+from command import main, pack
+from common import expect
 
 
 def is_integer(dtype):
@@ -111,14 +105,6 @@ class Checker:
             self.need(np.isin(tuples[:], known).all(), f"{where}: has entries that are no particles")
 
 
-def make(name, **keys):
-    words = [word for key, value in keys.items() for word in ("--set", f"packing.{key}={value}")]
-    path = os.path.join(FOLDER, name)
-    result = subprocess.run([COMMAND, "pack", "--quiet", *words, "-o", path], capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
-    return path
-
-
 def check_the_checker(good):
     def wall_as_pair(f):
         pairs = f["connectivity/contacts"]
@@ -134,8 +120,7 @@ def check_the_checker(good):
                   pop("particles/grains/box", "boundary"), lambda f: f.pop("h5md"), lambda f: f["particles/grains"].pop("box"),
                   lambda f: f["h5md/creator"].attrs.__setitem__("name", "of variable length"),
                   lambda f: f["particles/grains/position"].pop("step")):
-        bad = os.path.join(FOLDER, "bad.h5")
-        shutil.copy(good, bad)
+        bad = shutil.copy(good, "bad.h5")
         with h5py.File(bad, "r+") as f:
             fault(f)
         try:
@@ -145,19 +130,14 @@ def check_the_checker(good):
         assert faults, "the checker misses a fault"
 
 
-def rewritten(name, packing):
-    """A cell of another kind, as convert writes it."""
-    path = os.path.join(FOLDER, name)
-    result = subprocess.run([COMMAND, "convert", write_packing(path + ".made.h5", packing), path], capture_output=True, text=True)
-    assert result.returncode == 0, result.stderr
-    return path
+def packings():
+    paths = [pack("plane.h5", grains=60, width=8), pack("chain.h5", kind="chain", grains=5),
+             pack("space.h5", dimension=3, grains=120, width=5, depth=5), pack("box.h5", cell="box", grains=50, width=8),
+             pack("tilted.h5", cell="periodic", grains=50, width=8, stress="[1e-4,1.2e-4,2e-5]")]
+    check_the_checker(paths[0])
+    for path in paths:
+        for fault in Checker(path).faults:
+            expect(False, f"{path}: {fault}")
 
 
-paths = [make("2.h5", grains=60, width=8), make("1.h5", kind='"chain"', dimension=1, grains=5),
-         make("3.h5", dimension=3, grains=120, width=5, depth=5),
-         rewritten("tilted.h5", lattice(2, 0.3)), rewritten("sheared.h5", lattice(3, 0.2, cells=4)), rewritten("box.h5", box_of_disks())]
-check_the_checker(paths[0])
-faults = [f"{os.path.basename(path)}: {fault}" for path in paths for fault in Checker(path).faults]
-print(*faults, sep="\n")
-shutil.rmtree(FOLDER)
-sys.exit(1 if faults else 0)
+main(packings)

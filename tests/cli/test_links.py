@@ -60,7 +60,7 @@ def check_the_reader():
 def main():
     root = pathlib.Path(sys.argv[2]).resolve()
     check_the_reader()
-    pages = [root / "README.md", root / "CONTRIBUTING.md", *sorted((root / "docs").glob("*.md"))]
+    pages = [root / "README.md", root / "CONTRIBUTING.md", *sorted((root / "docs").rglob("*.md"))]
     texts = {page: page.read_text() for page in pages if page.exists()}
     history = root / "CHANGELOG.md"
     texts[history] = "\n## ".join(history.read_text().split("\n## ")[:2])  # older entries name files of their time

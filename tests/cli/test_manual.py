@@ -1,82 +1,135 @@
-"""The manual page and the completions know every command and every long option that the command's own help names.
+"""Help, the manual page and the completions know every command, option and key, and what they show is accepted.
 
 usage: test_manual.py COMMAND SOURCE_DIR
 """
+import functools
 import pathlib
 import re
+import shutil
 import subprocess
-import sys
 
-COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
-COMMANDS = """pack check statics moduli modes spectrum signal front wave transport amplitude chain sensitivity uncertainty
-    coda design study table reproduce column plot view convert bench completion""".split()
+from command import COMMAND, SOURCE, main, run, sets
+from common import PATIENCE, expect
+
+# of the Python package: they have completions of their own
+PYTHON = set("plot view convert reproduce".split())
 
 
-def output(*arguments):
-    result = subprocess.run([COMMAND, *arguments], text=True, capture_output=True, stdin=subprocess.DEVNULL)
-    assert result.returncode == 0, f"sonopack {' '.join(arguments)}: {result.returncode}: {result.stderr}"
-    return result.stdout
+@functools.cache
+def output(*words):
+    return run(*words).stdout
+
+
+def commands():
+    return re.findall(r"^  ([a-z]+) ", output("help"), re.M)
 
 
 def options(command):
-    found = set(re.findall(r"^ +(?:-\w, )?(--[a-z][a-z0-9-]*)", output(command, "--help"), re.M))
-    found |= set(re.findall(r"^ +--[^,\n]+, (--[a-z][a-z0-9-]*)", output(command, "--help"), re.M))
-    return found - {"--help", "--usage", "--version"}
+    """A line shows an option, and perhaps another name of it before or behind."""
+    found = re.findall(r"^ +(?:-\w, )?(--[a-z][a-z0-9-]*)(?:[^,\n]*, (--[a-z][a-z0-9-]*))?", output(command, "--help"), re.M)
+    return {name for names in found for name in names if name}
 
 
-def completions(*words):
-    """What bash offers for the last word."""
-    line = " ".join(f"'{word}'" for word in (COMMAND, *words))
-    script = (f"source <('{COMMAND}' completion bash); COMP_WORDS=({line}); COMP_CWORD={len(words)}; "
-              "_sonopack 2>/dev/null; printf '%s\\n' \"${COMPREPLY[@]}\"")
-    result = subprocess.run(["bash", "-c", script], text=True, capture_output=True, cwd=SOURCE)
-    assert result.returncode == 0 and not result.stderr, result
-    return set(result.stdout.split())
+def keys():
+    return re.findall(r"^(\w+\.\w+) = ", output("help", "scene"), re.M)
 
 
-def versions():
-    """The version that each file names."""
-    for name, pattern in (("include/sonopack/version.h", r'SONOPACK_VERSION "([^"]+)"'), ("CHANGELOG.md", r"^## (\S+)"),
-                          ("CITATION.cff", r"^version: \"?([^\"\s]+)"), ("docs/man/sonopack.1", r'"sonopack ([^"]+)"')):
-        yield name, re.search(pattern, (SOURCE / name).read_text(), re.M).group(1)
+def offered(*words):
+    """What `completion --words' offers, without the explanations."""
+    return {line.split("\t")[0] for line in output("completion", "--words", *words).splitlines()}
 
 
-def main():
-    faults = []
-    if len({version for _, version in versions()}) > 1:
-        faults.append(f"files name different versions: {dict(versions())}")
+def help_of_commands():
+    assert {"pack", "check", "statics", "signal", "study", "help"} <= set(commands())
+    assert output("help") == output("--help") == output("-h") and output("help").startswith("Usage: sonopack")
+    for command in commands():
+        if command != "help":
+            assert output("help", command) == output(command, "--help") == output(command, "-h"), command
+            assert f"sonopack {command}" in output(command, "--help")
+    assert re.fullmatch(r"sonopack \d+\.\d+\.\d+\n", output("--version")) and output("pack", "--version") == output("--version")
+
+
+def manual():
+    """The page and the commands' own help name the same; files name one version."""
     page = (SOURCE / "docs/man/sonopack.1").read_text().replace("\\-", "-")
-    overview = output("help")
-    for command in COMMANDS:
-        if not re.search(rf"^\s*{command}\b", overview, re.M):
-            faults.append(f"sonopack help does not name {command}")
-        if not re.search(rf"^\.(SS|B|BI|BR) \"?{command}\b", page, re.M):
-            faults.append(f"the manual page does not explain {command}")
-        if command not in completions(command[:2]):
-            faults.append(f"the completion does not offer {command}")
-        named = options(command)
-        if not named:
-            faults.append(f"sonopack {command} --help names no option")
-        for option in sorted(named):
-            if not re.search(rf"{option}\b", page):
-                faults.append(f"the manual page does not know {option} of {command}")
-        missing = named - completions(command, "--")
-        if missing:
-            faults.append(f"the completion of {command} lacks {sorted(missing)}")
-    for option in sorted(set(re.findall(r"--[a-z][a-z0-9-]*", page)) - {"--help", "--version"}):
-        if not any(option in options(command) for command in COMMANDS):
-            faults.append(f"the manual page names {option}, which no command has")
-    own, lammps = output("pack", "--help").split("Packings that LAMMPS makes")
-    if "--dry-run" not in own or "--dry-run" in lammps.split("Common options:")[0]:
-        faults.append("the help of pack has --dry-run among the options of LAMMPS")
-    version = output("--version").split()[-1]
-    if version not in page.split("\n")[0] + page:
-        faults.append(f"the manual page is not of version {version}")
-    if "README.md" not in completions("check", "README"):
-        faults.append("the completion offers no files")
-    print(*faults, sep="\n")
-    sys.exit(1 if faults else 0)
+    known = set().union(*map(options, commands())) - {"--usage"}
+    for command in set(commands()) - {"help"}:
+        expect(re.search(rf"^\.(SS|B|BI|BR) \"?{command}\b", page, re.M), f"the manual page does not explain {command}")
+    named = set(re.findall(r"--[a-z][a-z0-9-]*", page))
+    expect(known <= named, f"the manual page does not know {known - named}")
+    expect(named <= known | {"--version"}, f"the manual page names {named - known}, which no command has")
+    versions = {re.search(pattern, (SOURCE / name).read_text(), re.M).group(1) for name, pattern in (
+        ("include/sonopack/version.h", r'SONOPACK_VERSION "([^"]+)"'), ("CHANGELOG.md", r"^## (\S+)"),
+        ("CITATION.cff", r"^version: \"?([^\"\s]+)"), ("docs/man/sonopack.1", r'"sonopack ([^"]+)"'))}
+    assert versions == {output("--version").split()[-1]}, versions
 
 
-if __name__ == "__main__":
-    main()
+def help_of_keys():
+    """Every key is explained, and its example is one that scenes take (files, which are not there, and lists aside)."""
+    apart = {"packing.file", "packing.content", "packing.diameter_file", "packing.diameters", "study.sweep"}
+    needs = {"packing.sizes": ["packing.diameter_min=0.8", "packing.diameter_max=1.2"],
+             "packing.diameter_min": ["packing.diameter_max=1.2"], "packing.diameter_max": ["packing.diameter_min=0.8"],
+             "packing.depth": ["packing.dimension=3"], "packing.cell": ['study.want=["moduli"]'],  # fronts need walls
+             "packing.stress": ['study.want=["moduli"]', 'packing.cell="periodic"']}
+    glass = ["material.E=7e10", "material.nu=0.2", "material.rho=2500", "material.d=1e-3"]
+    for key in keys():
+        text = output("help", key)
+        for word in ("meaning", "unit", "range", "default", "source", "example"):
+            assert re.search(rf"^  {word} +\S", text, re.M), (key, word)
+        example = re.search(r"^  example +--set '(.*)'$", text, re.M).group(1)
+        more = [other for other in glass if not other.startswith(key + "=")] if key.startswith("material.") else []
+        assert example.startswith(key + "="), example
+        if key not in apart and not key.startswith("column."):
+            run("study", *sets(*needs.get(key, more), example), "--store", "nowhere", "--dry-run")
+    assert len(keys()) > 60 and "packing.tolerance" in output("help", "tolerance")
+    # the range that help says is the range that is accepted
+    low, high = (word for word in output("help", "packing.seed").split("an integer", 1)[1].split()[:3] if word != "..")
+    for seed, status in ((low, 0), (high, 0), (int(high) + 1, 2)):
+        run("pack", f"--set=packing.seed={seed}", "--dry-run", "-o", "seed.h5", status=status)
+
+
+def completions():
+    assert set(commands()) <= offered("") and set(keys()) <= offered("help", "")
+    assert {f"{key}=" for key in keys()} <= offered("pack", "--set", "")
+    for command in set(commands()) - PYTHON - {"help"}:
+        assert options(command) <= offered(command, "--") | {"--help", "--usage", "--version"}, command
+    for words, some in ((("signal", "--method", ""), {"chebyshev", "lax-wendroff"}), (("spectrum", ""), {"participation"}),
+                        (("table", ""), {"ctof"}), (("pack", "--set", "packing.kind="), {"packing.kind=triangular"}),
+                        (("pack", "--set=packing.kind=tri"), {"--set=packing.kind=triangular"}),
+                        (("signal", ""), {":files h5 hdf5 txt"}), (("study", "--store", ""), {":folders"})):
+        assert some <= offered(*words), words
+
+
+def shell_says(shell, *words):
+    done = subprocess.run([shell, *words], text=True, capture_output=True, stdin=subprocess.DEVNULL, timeout=PATIENCE)
+    assert done.returncode == 0 and not done.stderr, (shell, done.returncode, done.stderr)
+    return done.stdout
+
+
+def shells():
+    """bash offers words and files; zsh and fish too, where they are installed."""
+    def offers(*words):
+        line = " ".join(f"'{word}'" for word in (COMMAND, *words))
+        script = (f"source <('{COMMAND}' completion bash); COMP_WORDS=({line}); COMP_CWORD={len(words)}; "
+                  "_sonopack 2>/dev/null; printf '%s\\n' \"${COMPREPLY[@]}\"")
+        return set(shell_says("bash", "-c", script).split())
+
+    for name in ("zz.cfg", "zz.png"):
+        pathlib.Path(name).touch()
+    for words, exactly in ((("pa",), {"pack"}), (("signal", "--method", "che"), {"chebyshev"}),
+                           (("spectrum", "d"), {"dos", "dispersion"}), (("pack", "z"), {"zz.cfg"}),
+                           (("pack", "--set", "packing.kind=tri"), {"packing.kind=triangular"}),
+                           (("pack", "--set", "packing.kind", "=", "tri"), {"triangular"}),
+                           (("pack", "-o", "z"), {"zz.cfg", "zz.png"})):
+        assert offers(*words) == exactly, (words, offers(*words))
+    for command in PYTHON:
+        assert options(command) <= offers(command, "--") | {"--help", "--usage", "--version"}, command
+    for shell in filter(shutil.which, ("zsh", "fish")):
+        pathlib.Path(shell).write_text(output("completion", shell))
+        shell_says(shell, "-n", shell)
+    run("completion", "bash", "-o", "sonopack.bash")
+    assert pathlib.Path("sonopack.bash").read_text() == output("completion", "bash")
+    assert run("completion", "bash", "-o", "/dev/full", status=1).stderr
+
+
+main(help_of_commands, manual, help_of_keys, completions, shells)

@@ -1,35 +1,18 @@
-#!/usr/bin/env python3
-"""sonopack moduli against numpy: global strain in space, mechanisms, probes, and what it refuses.
-Usage: test_moduli.py COMMAND SOURCE_DIR"""
+"""moduli against numpy: global strain in the plane and in space, probes, mechanisms, finite strain, and what has no value.
+
+usage: test_moduli.py COMMAND SOURCE_DIR
+"""
 import os
-import subprocess
-import sys
-import tempfile
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's threads wait for each other where others are at work
 
-import h5py
-import numpy as np
+import h5py  # noqa: E402
+import numpy as np  # noqa: E402
 
-from network_oracle import Network
-from common import names_all
+from command import N200, N600, Table, main, pack, refused, run, table, tried  # noqa: E402
+from common import names_all  # noqa: E402
 
-COMMAND, SOURCE = os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2])
-N200 = os.path.join(SOURCE, "packings/reference/packing_N200_p1e-4.txt")
-N600 = os.path.join(SOURCE, "packings/reference/packing_N600_p1e-4.txt")
-FOLDER = tempfile.TemporaryDirectory()
-PROBES = ["sine:1", "sine:2", "sine:5", "lines:1", "lines:3"]
-
-
-def run(*words, status=0):
-    done = subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, cwd=FOLDER.name, timeout=1200)
-    assert done.returncode == status, (words, done.returncode, done.stderr)
-    return done.stdout, done.stderr
-
-
-def rows(text):
-    lines = [line.split("\t") for line in text.splitlines() if not line.startswith("#")]
-    return lines[0], [dict(zip(lines[0], line)) for line in lines[1:]]
+PROBES = ["sine:1", "sine:5", "lines:1", "lines:3"]
 
 
 class Space:
@@ -136,78 +119,41 @@ def apparent(matrix, respond, dof, centres, radii, box, density, probe, axis):
     return 2 * height * (0.5 * u @ matrix @ u) / ((n + 1)**2 * area)
 
 
-def test_plane():
-    """Every probe on packings that came as text, within 1e-9; ratios are those to the global moduli."""
-    words = [word for probe in PROBES for word in ("--probe", probe)]
-    for path in (N200, N600):
-        height = float(rows(run("statics", path)[0])[1][0]["Phi3s"])
-        network = Network(path)
-        _, (whole,) = rows(run("moduli", path)[0])
-        header, found = rows(run("moduli", path, *words, "--probe", "global")[0])
-        assert header == ["file", "p", "probe", "C22", "C33", "C22_ratio", "C33_ratio"]
-        assert [row["probe"] for row in found] == PROBES + ["global"]
-        assert found[-1]["C22"] == whole["C22"] and float(found[-1]["C33_ratio"]) == 1
-        box, radii = np.array([network.width, network.height]), np.cbrt(network.mass[::3] * 3 / (4 * np.pi))
-        for row in found[:-1]:
-            for axis, name in ((1, "C22"), (0, "C33")):
-                exact = apparent(network.matrix, lambda f: np.linalg.solve(network.matrix, f), 3, network.centre, radii,
-                                 box, height, row["probe"], axis)
-                assert np.isclose(float(row[name]), exact, rtol=1e-9, atol=0), (path, row, exact)
-                assert np.isclose(float(row[name + "_ratio"]), exact / float(whole[name]), rtol=1e-9, atol=0)
-    header, (one,) = rows(run("moduli", N200, "--probe", "lines:1")[0])
-    assert header == ["file", "p", "C22", "C33", "C22_ratio", "C33_ratio"] and one["file"] == N200
-    assert rows(run("moduli", N200, "--probe", "global")[0]) == rows(run("moduli", N200)[0])
+def places(dim):
+    """{column: its entry of the matrix}"""
+    if dim == 2:
+        return {"C11": (0, 0), "C12": (0, 1), "C22": (1, 1), "C33": (2, 2)}
+    return {f"C{a + 1}{b + 1}": (a, b) for a in range(6) for b in range(a, 6) if a == b or b < 3}
 
 
-def test_space():
-    """Unseen packings in space and in the plane, with and without friction: global strain and probes within 1e-6 (of
-    the largest: where a modulus is small the oracle's own rounding shows)."""
-    for name, words in (("S", ["dimension=3", "grains=220", "width=5"]),
-                        ("F", ["dimension=3", "grains=220", "width=5", "friction=0"]),
-                        ("P", ["grains=150", "width=9", "pressure=1e-6"])):
-        sets = [word for key in [*words, "tolerance=1e-9", "seed=7"] for word in ("--set", "packing." + key)]
-        path = os.path.join(FOLDER.name, name + ".h5")
-        run("pack", *sets, "-q", "-o", path)
-        oracle = Space(path)
-        density = float(rows(run("statics", path)[0])[1][0]["Phi3s"])
-        c = oracle.moduli()
-        text, notes = run("moduli", path)
-        header, (row,) = rows(text)
-        dim = oracle.dim
-        if dim == 3:
-            assert header == "file p C11 C12 C13 C22 C23 C33 C44 C55 C66 c_l c_t".split()
-            places = {"C11": (0, 0), "C12": (0, 1), "C13": (0, 2), "C22": (1, 1), "C23": (1, 2), "C33": (2, 2),
-                      "C44": (3, 3), "C55": (4, 4), "C66": (5, 5)}
-        else:
-            places = {"C11": (0, 0), "C12": (0, 1), "C22": (1, 1), "C33": (2, 2)}
-        for column, place in places.items():
-            if name == "F" and column in ("C44", "C55"):
-                assert row[column] == "nan" and "sine:1" in notes
+def strain_and_probes():
+    """Packings in space and in the plane, with and without friction, within 1e-6 of the largest (where a modulus is small
+    the oracle's own rounding shows)."""
+    words = [f"--probe={probe}" for probe in PROBES]
+    for name, keys in (("space", dict(dimension=3, grains=220, width=5)), ("plane", dict(grains=150, width=9, pressure=1e-6)),
+                       ("smooth", dict(dimension=3, grains=220, width=5, friction=0))):
+        path = pack(f"{name}.h5", tolerance=1e-9, seed=7, **keys)
+        oracle, density, row = Space(path), table("statics", path)["Phi3s"][0], table("moduli", path)
+        dim, c = oracle.dim, oracle.moduli()
+        assert row.names == ["file", "p", *places(dim), "c_l", "c_t"]
+        for column, place in places(dim).items():
+            if name == "smooth" and column in ("C44", "C55"):  # smooth walls cannot shear
+                assert np.isnan(row[column][0])
             else:
-                assert np.isclose(float(row[column]), c[place], rtol=1e-6, atol=1e-12 * c[1, 1]), (name, column, c)
+                assert np.isclose(row[column][0], c[place], rtol=1e-6, atol=1e-12 * c[1, 1]), (name, column, c)
         along, shear = ("C33", "C55") if dim == 3 else ("C22", "C33")
-        assert np.isclose(float(row["c_l"])**2 * density, float(row[along]), rtol=1e-12)
-        text, notes = run("moduli", path, "--probe", "sine:1", "--probe", "lines:1")
-        header, found = rows(text)
-        assert header[3:] == [along, shear, along + "_ratio", shear + "_ratio"]
-        assert (oracle.floppy > 0 and name != "F") == ("floppy" in notes), (oracle.floppy, notes)
-        for probe in found:
-            for axis, column in ((dim - 1, along), (0, shear)):
-                if name == "F" and axis == 0 and probe["probe"] == "lines:1":
-                    assert probe[column] == "nan"
-                    continue
-                if name == "F" and axis == 0:  # the cosine, less what accelerates the whole
-                    force = np.zeros(len(oracle.matrix))
-                    weight = oracle.mass[::oracle.dof]
-                    push = weight / density * np.cos(np.pi * oracle.x[:, -1] / oracle.box[-1])
-                    force[::oracle.dof] = push - weight * (push.sum() / weight.sum())
-                    work = 0.5 * force @ oracle.respond(force)
-                    exact = oracle.area * oracle.box[-1]**3 / (4 * np.pi**2 * work)
-                    assert np.isclose(float(probe[column]), exact, rtol=1e-6), (probe, exact)
-                    continue
-                exact = apparent(oracle.matrix, oracle.respond, oracle.dof, oracle.x, oracle.r, oracle.box, density,
-                                 probe["probe"], axis)
-                assert np.isclose(float(probe[column]), exact, rtol=1e-6), (name, probe, column, exact)
+        assert np.isclose(row["c_l"][0]**2 * density, row[along][0], rtol=1e-12)
+        if name == "smooth":
+            continue
+        found = table("moduli", path, *words, "--probe=global")
+        assert found.names == ["file", "p", "probe", along, shear, along + "_ratio", shear + "_ratio"]
+        assert found.words("probe") == [*PROBES, "global"] and found[along][-1] == row[along][0]
+        for axis, column in ((dim - 1, along), (0, shear)):
+            exact = [apparent(oracle.matrix, oracle.respond, oracle.dof, oracle.x, oracle.r, oracle.box, density, probe, axis)
+                     for probe in PROBES]
+            assert np.allclose(found[column][:-1], exact, rtol=1e-6, atol=0), (name, column, found[column], exact)
+            assert np.allclose(found[column + "_ratio"], found[column] / row[column][0], rtol=1e-9)
+    assert table("moduli", N200, "--probe=lines:1").names == ["file", "p", "C22", "C33", "C22_ratio", "C33_ratio"]
 
 
 def projected(oracle):
@@ -221,105 +167,67 @@ def projected(oracle):
     return (stretch.T @ stretch - made.T @ made) / (oracle.area * oracle.box[-1]), int(np.sum(~kept))
 
 
-def test_floppy():
+def floppy():
     """Packings at low pressure, with mechanisms: within 1e-9 of the largest modulus."""
     found = 0
-    for dimension, grains, width, friction, pressure, seeds in ((3, 60, 4.9, 0.3, 1e-5, 2), (3, 60, 4.9, 1, 1e-7, 1),
-                                                                (3, 70, 4.9, 0, 1e-6, 1), (2, 80, 8, 0.5, 1e-7, 1),
-                                                                (2, 80, 8, 0, 1e-6, 1)):
-        for seed in range(1, seeds + 1):
-            keys = [f"dimension={dimension}", f"grains={grains}", f"width={width}", f"friction={friction}",
-                    f"pressure={pressure}", f"seed={seed}", 'protocol="quick"']
-            sets = [word for key in keys for word in ("--set", "packing." + key)]
-            path = os.path.join(FOLDER.name, "floppy.h5")
-            run("pack", *sets, "-q", "--force", "-o", path)
-            c, mechanisms = projected(Space(path))
-            _, (row,) = rows(run("moduli", path)[0])
-            found += mechanisms
-            names = (("C11", "C12", "C13"), ("C22", "C23"), ("C33",), ("C44",), ("C55",), ("C66",))
-            for a in range(6 if dimension == 3 else 2):
-                for name in names[a] if dimension == 3 else (("C11", "C12"), ("C22",))[a]:
-                    b = a + int(name[2]) - int(name[1])
-                    if row[name] != "nan":
-                        assert abs(float(row[name]) - c[a, b]) < 1e-9 * c[1, 1], (keys, name, row[name], c)
-    assert found > 10, found
+    for dim, grains, width, friction, pressure in ((3, 60, 4.9, 0.3, 1e-5), (3, 60, 4.9, 1, 1e-7), (3, 70, 4.9, 0, 1e-6),
+                                                   (2, 80, 8, 0.5, 1e-7), (2, 80, 8, 0, 1e-6)):
+        path = pack("floppy.h5", dimension=dim, grains=grains, width=width, friction=friction, pressure=pressure, seed=1,
+                    protocol="quick")
+        c, mechanisms = projected(Space(path))
+        found, row = found + mechanisms, table("moduli", path)
+        for name, place in places(dim).items():
+            assert np.isnan(row[name][0]) or abs(row[name][0] - c[place]) < 1e-9 * c[1, 1], (dim, friction, name, row.row(), c)
+    assert found > 5, found
+    # 700 spheres with 21 mechanisms: one pivot is 1e-13 of another, and yet no modulus is in doubt
+    path = pack("spheres.h5", dimension=3, width=6, friction=0.3, pressure=1e-5, grains=700, seed=1, protocol="quick")
+    row = table("moduli", path)
+    assert all(row[name][0] > 0 for name in row.names[2:]), row.row()
 
 
-def test_quick_spheres():
-    """700 spheres with 21 mechanisms: one pivot is 1e-13 of another, and yet no modulus is in doubt."""
-    path = os.path.join(FOLDER.name, "spheres.h5")
-    keys = ("dimension=3", "width=6", "friction=0.3", "pressure=1e-5", "grains=700", "seed=1", 'protocol="quick"')
-    run("pack", *[word for key in keys for word in ("--set", "packing." + key)], "-q", "-o", path)
-    header, (row,) = rows(run("moduli", path)[0])
-    assert all(float(row[name]) > 0 for name in header[2:]), row
-    _, (probe,) = rows(run("moduli", path, "--probe", "lines:1")[0])
-    assert 0.9 < float(probe["C33_ratio"]) < 1.3 and 0.9 < float(probe["C55_ratio"]) < 1.3, probe
-
-
-def test_strained():
+def strained():
     """A strain of next to nothing gives the moduli with prestress."""
-    header, (small, large) = rows(run("moduli", N600, "--strain", "1e-9", "--strain", "5e-5")[0])
-    assert header == "file p strain C11 C12 C22 C33 sliding lost made residual".split()
-    _, (springs,) = rows(run("moduli", N600, "--prestress")[0])
+    found, springs = table("moduli", N600, "--strain=1e-9", "--strain=5e-5"), table("moduli", N600, "--prestress")
+    assert found.names == "file p strain C11 C12 C22 C33 sliding lost made residual".split()
     for name in ("C11", "C22", "C33"):
-        assert abs(float(small[name]) / float(springs[name]) - 1) < 1e-5, (name, small, springs)
-    assert float(small["residual"]) < 1e-6 and int(small["sliding"]) <= int(large["sliding"])
-    assert int(large["sliding"]) > 0 and float(large["C33"]) < float(small["C33"])
+        assert abs(found[name][0] / springs[name][0] - 1) < 1e-5, (name, found.rows, springs.rows)
+    assert found["residual"][0] < 1e-6 and 0 < found["sliding"][1] >= found["sliding"][0]
+    assert found["C33"][1] < found["C33"][0]
 
 
-def test_nan():
+def without_a_value():
+    """What has none is nan, and told; no rounding is shown as a modulus."""
+    def told(names, *words):
+        done = run("moduli", *words)
+        assert names_all(done.stderr, names), done.stderr
+        return Table(done.stdout)
+
     # thin: no bulk away from both walls, so no density; lines need none
-    run("pack", "--set", "packing.grains=60", "--set", "packing.width=12", "--set", "packing.tolerance=1e-8", "-q",
-        "-o", "thin.h5")
-    out, said = run("moduli", "thin.h5")
-    assert rows(out)[1][0]["c_l"] == "nan" and names_all(said, "--margin")
-    assert rows(run("moduli", "thin.h5", "--probe", "lines:1")[0])[1]
-    assert rows(run("moduli", "thin.h5", "--probe", "sine:1", "--margin", "1")[0])[1]
-    # smooth walls: said, and the sine has a value
-    run("pack", "--set", "packing.grains=150", "--set", "packing.width=9", "--set", "packing.friction=0", "--set",
-        "packing.tolerance=1e-9", "-q", "-o", "smooth.h5")
-    out, said = run("moduli", "smooth.h5")
-    assert rows(out)[1][0]["C33"] == "nan" and names_all(said, "--probe sine:1")
-    out, said = run("moduli", "smooth.h5", "--probe", "sine:1")
-    assert float(rows(out)[1][0]["C33"]) > 0 and rows(out)[1][0]["C33_ratio"] == "nan" and names_all(said, "nan")
+    thin = pack("thin.h5", grains=60, width=12, tolerance=1e-8)
+    assert np.isnan(told("--margin", thin)["c_l"][0])
+    assert table("moduli", thin, "--probe=lines:1")["C22"][0] > 0
+    assert table("moduli", thin, "--probe=sine:1", "--margin=1")["C22"][0] > 0
+    smooth = pack("smooth2.h5", grains=150, width=9, friction=0, tolerance=1e-9)
+    assert np.isnan(told("--probe sine:1", smooth)["C33"][0])
+    row = told("nan", smooth, "--probe=sine:1")
+    assert row["C33"][0] > 0 and np.isnan(row["C33_ratio"][0])
     # two dimensions and three name their moduli otherwise: the first file decides, the other is told
-    run("pack", "--set", "packing.grains=60", "--set", "packing.width=5", "--set", "packing.dimension=3", "--set",
-        "packing.tolerance=1e-8", "-q", "-o", "space.h5")
-    out, said = run("moduli", "thin.h5", "space.h5", status=1)
-    assert len(rows(out)[1]) == 1 and names_all(said, "")
+    done = tried("moduli", thin, pack("solid.h5", grains=60, width=5, dimension=3, tolerance=1e-8))
+    assert done.returncode == 1 and len(Table(done.stdout)) == 1
+    # a ball that rolls between the walls
+    ball = pack("ball.h5", grains=2, width=4.8)
+    row = told("C33 0 C11", ball)
+    assert row["C11"][0] == row["C33"][0] == 0 < row["C22"][0], row.row()
+    row = table("moduli", ball, "--strain=1e-6")  # its uniaxial strain along the walls is free
+    assert abs(row["C11"][0]) < 1e-15 < row["C22"][0], row.row()
+    # strong contacts alone, which touch both walls and hold nothing; a network that its prestress makes unstable
+    for words in ([ball, "--probe=lines:1"], [N600, "--threshold=0.9"], [N600, "--threshold=0.9", "--probe=lines:1"],
+                  [N200, "--threshold=0.3", "--prestress"]):
+        refused("", "moduli", *words, status=1)
+    chain = pack("chain.h5", kind="chain", grains=9)
+    row, linear = told("C22", chain, "--strain=1e-9"), table("moduli", chain)
+    assert all(np.isnan(t[name][0]) for t in (row, linear) for name in ("C11", "C12", "C33"))
+    assert np.isclose(row["C22"][0], linear["C22"][0], rtol=1e-6)  # strain over overlap: 1e-7
 
 
-def test_mechanisms():
-    """What yields without a force is told, and no rounding is shown as a modulus: a ball that rolls between the walls,
-    strong contacts alone (which touch both walls and hold nothing), a network that its prestress makes unstable."""
-    run("pack", "--set", "packing.grains=2", "--set", "packing.width=4.8", "-q", "-o", "ball.h5")
-    out, said = run("moduli", "ball.h5")
-    row = rows(out)[1][0]
-    assert float(row["C11"]) == float(row["C33"]) == 0 < float(row["C22"]), row
-    assert names_all(said, "C33 0") and names_all(said, "C11 0") and "C22 is 0" not in said, said
-    row = rows(run("moduli", "ball.h5", "--strain", "1e-6")[0])[1][0]  # its uniaxial strain along the walls is free
-    assert abs(float(row["C11"])) < 1e-15 < float(row["C22"]), row
-    assert "none is coarse enough" in run("moduli", "ball.h5", "--probe", "lines:1", status=1)[1]
-    for words in ([], ["--probe", "lines:1"]):
-        out, said = run("moduli", N600, "--threshold", "0.9", *words, status=1)
-        assert out == "" and names_all(said, ""), (out, said)
-    out, said = run("moduli", N200, "--threshold", "0.3", "--prestress", status=1)
-    assert out == "" and names_all(said, ""), said
-    run("pack", "--set", "packing.kind=chain", "--set", "packing.dimension=1", "--set", "packing.grains=9", "-q", "-o",
-        "chain.h5")
-    (linear,) = rows(run("moduli", "chain.h5")[0])[1]
-    out, said = run("moduli", "chain.h5", "--strain", "1e-9")
-    (row,) = rows(out)[1]
-    assert row["C12"] == row["C11"] == row["C33"] == linear["C12"] == "nan" and names_all(said, "C22"), (row, said)
-    assert np.isclose(float(row["C22"]), float(linear["C22"]), rtol=1e-6), (row, linear)  # strain over overlap: 1e-7
-
-
-if __name__ == "__main__":
-    test_plane()
-    test_space()
-    test_floppy()
-    test_quick_spheres()
-    test_strained()
-    test_nan()
-    test_mechanisms()
-    print("ok")
+main(strain_and_probes, floppy, strained, without_a_value)

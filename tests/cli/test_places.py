@@ -1,135 +1,145 @@
-"""signal with places, damping, time steps and nonlinear dynamics against numpy (network_oracle.py), and its command line.
+"""signal with places, damping of every kind, time steps and nonlinear dynamics against numpy (network_oracle.py).
 
 usage: test_places.py COMMAND SOURCE_DIR
 """
-import os
-import subprocess
-import sys
-import tempfile
+import re
 
 import numpy as np
 
-from network_oracle import Network
+from command import MATERIAL, N200, N600, main, run, table
+from network_oracle import network
 
-COMMAND, SOURCE = sys.argv[1], sys.argv[2]
-N200 = os.path.join(SOURCE, "packings", "reference", "packing_N200_p1e-4.txt")
 NORMAL, SHEAR = 1, 0
 
 
-def run(*words, status=0):
-    done = subprocess.run([COMMAND, *map(str, words)], capture_output=True, text=True, timeout=1200)
-    assert done.returncode == status, (words, done.returncode, done.stderr)
-    if status:
-        assert done.stdout == "" and done.stderr.startswith("sonopack"), (words, done.stdout[:200], done.stderr)
-    return done.stderr if status else done.stdout
-
-
 def signal(*words):
-    """Comments and columns."""
-    comments, rows = {}, []
-    for line in run("signal", *words).splitlines():
-        if line.startswith("#"):
-            key, _, value = line[1:].partition("=")
-            comments[key.strip()] = value.strip()
-        else:
-            rows.append(line.split("\t"))
-    values = np.array(rows[1:], dtype=float)
-    return comments, {name: values[:, k] for k, name in enumerate(rows[0])}
+    return table("signal", N200, *words)
 
 
-def responses(network, sources, detectors, t):
+def responses(oracle, sources, detectors, t):
     """After momenta, by the modes."""
-    root, omega = np.sqrt(network.mass), np.sqrt(network.squares)
-    sent = network.vectors.T @ (np.array(sources) / root).T
-    seen = network.vectors.T @ (np.array(detectors) / root).T
+    root, omega = np.sqrt(oracle.mass), np.sqrt(oracle.squares)
+    sent = oracle.vectors.T @ (np.array(sources) / root).T
+    seen = oracle.vectors.T @ (np.array(detectors) / root).T
     waves = np.sin(np.outer(t, omega)) / omega
     return [[(waves * sent[:, a] * seen[:, b]).sum(axis=1) for b in range(seen.shape[1])] for a in range(sent.shape[1])]
 
 
-def test_places(network):
-    t = np.linspace(0, 60, 31)
-    sources = [network.wall(-1, NORMAL), network.wall(-1, SHEAR), network.wall(-1, NORMAL, network.part(3, 9))]
-    detectors = [network.wall(-2, NORMAL), network.wall(-2, SHEAR), network.wall(-2, SHEAR, network.part(0, 12)),
-                 network.plane(4, NORMAL), network.plane(4, SHEAR)]
-    words = ["--source", "impulse:normal", "--from", "bottom:shear", "--from", "part:3:9",
-             "--detector", "top", "--detector", "shear", "--detector", "part:0:12:shear", "--detector", "plane:4:normal",
-             "--detector", "plane:4:shear"]
-    exact = responses(network, sources, detectors, t)
+def places():
+    net, t = network(N200), np.linspace(0, 60, 31)
+    sources = [net.wall(-1, NORMAL), net.wall(-1, SHEAR), net.wall(-1, NORMAL, net.part(3, 9))]
+    detectors = [net.wall(-2, NORMAL), net.wall(-2, SHEAR), net.wall(-2, SHEAR, net.part(0, 12)),
+                 net.plane(4, NORMAL), net.plane(4, SHEAR)]
+    words = ["--until=60", "--points=31", "--source=impulse:normal", "--from=bottom:shear", "--from=part:3:9", *(
+        f"--detector={place}" for place in ("top", "shear", "part:0:12:shear", "plane:4:normal", "plane:4:shear"))]
+    exact = responses(net, sources, detectors, t)
     for method, tolerance in (("auto", 1e-10), ("chebyshev", 1e-10), ("dense", 1e-10), ("lax-wendroff", 1e-7),
                               ("verlet", 1e-4), ("faber", 1e-10)):
-        comments, f = signal(N200, "--until", 60, "--points", 31, "--method", method, "--tolerance", tolerance, *words)
-        assert list(f) == ["t"] + [f"F{k}" for k in range(1, 16)]
-        assert method in ("auto", comments["method"])
-        for a in range(3):
-            for b in range(5):
-                name = f"F{5 * a + b + 1}"
-                assert comments[name].startswith("from " + ["bottom:normal", "bottom:shear", "part:3:9:normal"][a])
-                bound = float(comments[name].rpartition("error ")[2])
-                difference = np.max(np.abs(f[name] - exact[a][b]))
-                assert difference <= bound + 2e-12 * np.max(np.abs(exact[a][b])), (method, name, difference, bound)
-                assert bound <= tolerance * np.max(np.abs(f[name]))
+        found = signal("--method", method, "--tolerance", tolerance, *words)
+        assert found.names == ["t"] + [f"F{k}" for k in range(1, 16)] and method in ("auto", found.notes["method"])
+        for k, name in enumerate(found.names[1:]):
+            a, b = divmod(k, 5)
+            assert found.notes[name].startswith("from " + ["bottom:normal", "bottom:shear", "part:3:9:normal"][a])
+            bound = float(found.notes[name].rpartition("error ")[2])
+            off = np.max(np.abs(found[name] - exact[a][b]))
+            assert off <= bound + 2e-12 * np.max(np.abs(exact[a][b])), (method, name, off, bound)
+            assert bound <= tolerance * np.max(np.abs(found[name]))
     # a component for all, and planes in equal layers
-    comments, f = signal(N200, "--until", 60, "--points", 31, "--component", "shear", "--planes", 2, "--detector", "normal")
-    height = network.height
-    rows = [network.wall(-2, NORMAL), network.plane(height / 3, SHEAR), network.plane(2 * height / 3, SHEAR)]
-    for b, exact in enumerate(responses(network, sources[1:2], rows, t)[0]):
-        assert np.max(np.abs(f[f"F{b + 1}"] - exact)) < 1e-11 * np.max(np.abs(exact))
-    # columns serve where tables go
-    with tempfile.TemporaryDirectory() as folder:
-        table = os.path.join(folder, "s.tsv")
-        run("signal", N200, "--planes", 40, "-o", table)
-        assert "F30" not in run("front", table, "--column", "F30", "--distance", 5).splitlines()[0]
-        # a row a plane, with its height
-        run("signal", N200, "--planes", 4, "--detector", "top", "--detector", "grain:3", "-o", table, "--force")
-        rows = [line.split("\t") for line in run("front", table).splitlines() if line.startswith(table)]
-        assert [row[0] for row in rows] == [f"{table}:F{k}" for k in range(1, 7)], rows
-        far = {row[0][len(table) + 1:]: float(row[1]) for row in rows}
-        assert np.isnan(far["F2"]) and far["F1"] == height
-        assert np.allclose([far[f"F{k}"] for k in range(3, 7)], height / 5 * np.arange(1, 5), rtol=1e-14)
-        assert rows[3][2:] == run("front", table, "--column", "F4").splitlines()[-1].split("\t")[2:]
+    found = signal("--until=60", "--points=31", "--component=shear", "--planes=2", "--detector=normal")
+    rows = [net.wall(-2, NORMAL), net.plane(net.height / 3, SHEAR), net.plane(2 * net.height / 3, SHEAR)]
+    for b, one in enumerate(responses(net, sources[1:2], rows, t)[0]):
+        assert np.max(np.abs(found[f"F{b + 1}"] - one)) < 1e-11 * np.max(np.abs(one))
 
 
-def test_damping(network):
-    t = np.linspace(0, 80, 41)
-    for zeta in (1e-4, 0.05, 1):
-        rows = [(network.wall(-2, NORMAL), network.wall(-2, NORMAL, stiffness=zeta * network.c)),
-                (network.plane(3, SHEAR), network.plane(3, SHEAR, stiffness=zeta * network.c))]
-        comments, f = signal(N200, "--until", 80, "--points", 41, "--damping", zeta, "--detector", "top", "--detector",
-                             "plane:3:shear")
-        exact = network.damped(zeta, network.source, rows, t)
-        assert comments["method"] == "faber" and float(comments["damping"]) == zeta
+def tables_of_planes():
+    """A front for each plane, with its height."""
+    run("signal", N200, "--planes", 4, "--detector", "top", "--detector", "grain:3", "-o", "s.tsv")
+    found, height = table("front", "s.tsv"), network(N200).height
+    assert found.words("file") == [f"s.tsv:F{k}" for k in range(1, 7)]
+    assert np.isnan(found["distance"][1]) and found["distance"][0] == height
+    assert np.allclose(found["distance"][2:], height / 5 * np.arange(1, 5), rtol=1e-14)
+    assert found.rows[3][2:] == table("front", "s.tsv", "--column", "F4").rows[0][2:]
+
+
+def dashpots(kind, value, tangential):
+    """The oracle's dashpots of a kind: c, for --damping."""
+    net = network(N200)
+    if kind == "zeta":
+        return value * net.c
+    normal = np.arange(len(net.c)) % 2 == 0  # rows of a contact: normal, tangential
+    # the reduced mass, from c = 2 sqrt(m k)
+    return np.where(normal, value, tangential) * ((net.c / 2)**2 / net.k if kind == "mass" else 1)
+
+
+def damped_signals():
+    net, t = network(N200), np.linspace(0, 80, 41)
+    critical = net.c
+    for kind, value, tangential in (("zeta", 0.05, None), ("gamma", 0.05, 0), ("mass", 0.3, 0.1)):
+        c = dashpots(kind, value, tangential)
+        word = value if kind == "zeta" else f"{kind}:{value}" if value == tangential else f"{kind}:{value}:{tangential}"
+        found = signal("--until=80", "--points=41", "--damping", word, "--detector=top", "--detector=plane:3:shear")
+        assert found.notes["method"] == "faber"
+        assert found.notes["damping"] == (f"{value:g}" if kind == "zeta" else f"{kind}:{value}:{tangential}"), found.notes
+        rows = [(net.wall(-2, NORMAL), net.wall(-2, NORMAL, stiffness=c)),
+                (net.plane(3, SHEAR), net.plane(3, SHEAR, stiffness=c))]
+        net.c = c
+        exact = net.damped(1, net.source, rows, t)
+        net.c = critical
         for b in range(2):
-            assert np.max(np.abs(f[f"F{b + 1}"] - exact[b])) < 1e-10 * np.max(np.abs(exact[b]))
-    # modes of the damped motion
-    rates = np.linalg.eigvals(network.motion(0.1))
-    rates = rates[rates.imag >= 0]
-    lines = [line for line in run("modes", N200, "--damping", 0.1).splitlines() if not line.startswith("#")]
-    assert lines[0].split("\t") == ["n", "omega", "decay", "cosine", "sine", "error", "Q", "Q_err"]
-    ours = np.array([line.split("\t") for line in lines[1:]], dtype=float)
-    assert len(ours) == len(rates)
-    for rate in rates:
-        assert np.min(np.hypot(ours[:, 1] - rate.imag, ours[:, 2] + rate.real)) < 1e-10
+            assert np.max(np.abs(found[f"F{b + 1}"] - exact[b])) < 1e-10 * np.max(np.abs(exact[b])), (word, b)
 
 
-def test_dynamics():
+def damped_modes():
+    net = network(N200)
+    critical = net.c
+    for word, kind, value in ((0.1, "zeta", 0.1), ("gamma:0.02", "gamma", 0.02)):
+        net.c = dashpots(kind, value, value)
+        rates = np.linalg.eigvals(net.motion(1))
+        net.c = critical
+        rates, ours = rates[rates.imag >= 0], table("modes", N200, "--damping", word)
+        assert ours.names == ["n", "omega", "decay", "cosine", "sine", "error", "Q", "Q_err"] and len(ours) == len(rates)
+        omega, decay, q = ours["omega"], ours["decay"], ours["Q"]
+        for rate in rates:
+            k = np.argmin(np.hypot(omega - rate.imag, decay + rate.real))
+            assert np.hypot(omega[k] - rate.imag, decay[k] + rate.real) < 1e-10
+            assert rate.imag < 1e-6 or abs(q[k] + abs(rate) / (2 * rate.real)) < 1e-8 * q[k]
+
+
+def damped_waves():
+    """In the harmonic response, and in the attenuation of a wave: more dashpots, more of it."""
+    net, c = network(N200), dashpots("mass", 0.4, 0.2)
+    ours = table("spectrum", "harmonic", N200, "--damping", "mass:0.4:0.2", "--at", "0.1,0.2")
+    damping = net.b.T @ (c[:, None] * net.b)
+    for l, omega in enumerate(ours["omega"]):
+        u = np.linalg.solve(net.matrix - omega**2 * np.diag(net.mass) + 1j * omega * damping, net.source)
+        exact = (net.wall(-2, NORMAL) + 1j * omega * net.wall(-2, NORMAL, stiffness=c)) @ u
+        assert abs(ours["re"][l] + 1j * ours["im"][l] - exact) < 1e-8 * abs(exact)
+    alpha = [table("wave", N600, "--at=0.14,0.18", *words)["alpha"] for words in
+             ([], ["--damping=gamma:0.005"], ["--damping=gamma:0.02"])]
+    assert np.all(alpha[0] < alpha[1]) and np.all(alpha[1] < alpha[2]), alpha
+
+
+def units_of_dashpots():
+    """c in N s/m: E* d^2/sqrt(E*/rho) = sqrt(E* rho) d^2; of mass in rad/s."""
+    modulus = 70e9 / (1 - 0.22**2)
+    found = table("modes", N200, "--damping", "gamma:0.02:0.01", MATERIAL, "--units=si").notes["damping"]
+    normal, tangential = map(float, re.fullmatch(r"gamma:(.*)N s/m:(.*)N s/m", found).groups())
+    assert np.allclose([normal, tangential], np.array([0.02, 0.01]) * np.sqrt(modulus * 2500) * 1e-6, rtol=1e-12)
+    found = signal("--points=5", "--damping=mass:0.02", MATERIAL, "--units=si").notes["damping"]
+    assert np.isclose(float(found.split(":")[1].removesuffix("rad/s")), 0.02 * np.sqrt(modulus / 2500) / 1e-3, rtol=1e-12)
+
+
+def dynamics():
     """At small amplitudes the packing's own motion is the linear one, in proportion to the amplitude; contacts at Coulomb's
     limit slide before that, however gently one knocks."""
-    words = [N200, "--until", 60, "--points", 61]
-    _, linear = signal(*words, "--prestress", "--threshold", 0)
-    peak = np.max(np.abs(linear["F"]))
-    difference = []
+    words = ["--until=60", "--points=61", "--prestress", "--threshold=0"]
+    linear, off = signal(*words)["F"], []
     for amplitude in (1e-2, 1e-3, 1e-6):
-        comments, f = signal(*words, "--prestress", "--threshold", 0, "--method", "dynamics", "--amplitude", amplitude)
-        difference.append(np.max(np.abs(f["F"] - linear["F"])) / peak)
-        assert comments["method"] == "dynamics" and 0 < float(comments["error"]) <= 1e-3 * np.max(np.abs(f["F"]))
-        assert float(comments["amplitude"]) > 0 and float(comments["step"]) > 0
-    print("dynamics against the linear signal:", *(f"{d:.2g}" for d in difference))
-    assert difference[0] > difference[1] > difference[2] and difference[2] < 1e-5
+        found = signal(*words, "--method=dynamics", "--amplitude", amplitude)
+        off.append(np.max(np.abs(found["F"] - linear)) / np.max(np.abs(linear)))
+        assert found.notes["method"] == "dynamics" and 0 < found.note("error") <= 1e-3 * np.max(np.abs(found["F"]))
+        assert found.note("amplitude") > 0 and found.note("step") > 0
+    assert off[0] > off[1] > off[2] and off[2] < 1e-5, off
 
 
-if __name__ == "__main__":
-    reference = Network(N200)
-    test_places(reference)
-    test_damping(reference)
-    test_dynamics()
-    print("passed")
+main(places, tables_of_planes, damped_signals, damped_modes, damped_waves, units_of_dashpots, dynamics)

@@ -8,36 +8,40 @@ import pathlib
 import resource
 import shlex
 import shutil
-import subprocess
-import sys
-import tempfile
 
-from common import expect, faults, names_all
+from command import N200, N600, main, pack, run, start
+from common import expect, names_all
 
-COMMAND, SOURCE = str(pathlib.Path(sys.argv[1]).resolve()), pathlib.Path(sys.argv[2]).resolve()
 CASES = pathlib.Path(__file__).with_name("refusals.txt")
 MOST, SPACE = 1 << 30, 4 << 30  # bytes of memory, and of address space
-SMALL = "--set packing.protocol=quick --set packing.grains=60 --set packing.width"
-MADE = {"P.h5": f"{SMALL}=8", "thin.h5": f"{SMALL}=12", "smooth.h5": f"{SMALL}=8 --set packing.friction=0",
-        "cell.h5": f"{SMALL}=8 --set packing.cell=periodic", "C.h5": "--set packing.kind=chain --set packing.grains=12",
-        "spheres.h5": f"{SMALL}=5 --set packing.dimension=3"}
+SMALL = {"protocol": "quick", "grains": 60, "width": 8}
+MADE = {"P.h5": SMALL, "thin.h5": {**SMALL, "width": 12}, "smooth.h5": {**SMALL, "friction": 0},
+        "cell.h5": {**SMALL, "cell": "periodic"}, "C.h5": {"kind": "chain", "grains": 12},
+        "spheres.h5": {**SMALL, "dimension": 3, "width": 5}}
+SCENES = {"scene.cfg": "packing = { grains = [20, 30]; width = 6; };\nstudy = { samples = 2; };\n",
+          "sweep.cfg": 'study = { samples = 2; sweep = ( { key = "packing.pressure"; values = [1e-5, 1e-4]; } ); };\n',
+          "wrong.cfg": "packing = {\n\n presure = 1e-4; };", "open.cfg": "packing = { /* no end", "empty.cfg": "",
+          "include.cfg": '@include "/etc/hostname"', "deep.cfg": "a = " + "(" * 100000, "long.cfg": "a" * 100000,
+          "zero.cfg": "packing\0"}
 
 
 def make_inputs():
-    for n in (200, 600):
-        shutil.copy(SOURCE / f"packings/reference/packing_N{n}_p1e-4.txt", f"N{n}.txt")
-    pathlib.Path("scene.cfg").write_text('packing = { grains = [20, 30]; width = 6; };\nstudy = { samples = 2; };\n')
-    pathlib.Path("store").mkdir()
-    for name, words in MADE.items():
-        subprocess.run([COMMAND, "pack", *words.split(), "-q", "-o", name], check=True, stdout=subprocess.DEVNULL)
-    subprocess.run([COMMAND, "signal", "N200.txt", "-o", "signal.tsv"], check=True)
+    for path, name in ((N200, "N200.txt"), (N600, "N600.txt")):
+        shutil.copy(path, name)
+    for name, text in SCENES.items():
+        pathlib.Path(name).write_text(text)
+    for name, keys in MADE.items():
+        pack(name, **keys)
+    pathlib.Path("empty").mkdir()
+    run("study", "--store", "store", "--set=packing.kind=chain", "--set=packing.grains=12", "--set=study.samples=1")
+    run("signal", "N200.txt", "-o", "signal.tsv")
 
 
 def refused(words):
     """Exit status, stdout, stderr, largest memory."""
     with open("../out", "w+") as out, open("../err", "w+") as err:
-        process = subprocess.Popen([COMMAND, *words], stdin=subprocess.DEVNULL, stdout=out, stderr=err,
-                                   preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (SPACE, SPACE)))
+        process = start(*words, stdout=out, stderr=err,
+                        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (SPACE, SPACE)))
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
         return process.returncode, *(file.seek(0) or file.read() for file in (out, err)), 1024 * used.ru_maxrss
@@ -57,18 +61,13 @@ def check(line):
     expect(sorted(os.listdir()) == before, f"{command}: leaves {set(os.listdir()) - set(before)}")
 
 
-def main():
-    lines = [line for line in CASES.read_text().splitlines() if line and line[0] != "#"]
-    with tempfile.TemporaryDirectory(prefix="sonopack-refusals-") as home:
-        (pathlib.Path(home) / "work").mkdir()
-        os.chdir(pathlib.Path(home) / "work")
-        make_inputs()
-        for line in lines:
+def refusals():
+    os.mkdir("work")
+    os.chdir("work")
+    make_inputs()
+    for line in CASES.read_text().splitlines():
+        if line and line[0] != "#":
             check(line)
-        os.chdir("/")
-    print(*faults, f"{len(lines)} refusals", sep="\n")
-    sys.exit(1 if faults else 0)
 
 
-if __name__ == "__main__":
-    main()
+main(refusals)

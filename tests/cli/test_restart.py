@@ -1,5 +1,5 @@
-"""sonopack pack killed at any moment goes on from its state to the same file; states of others; histories; packings that
-start from files.
+"""pack killed at any moment goes on from its state to the same file; states of others; histories; packings that start from
+files.
 
 usage: test_restart.py COMMAND SOURCE_DIR
 """
@@ -7,20 +7,19 @@ import os
 import pathlib
 import random
 import signal
-import subprocess
-import tempfile
 
 import h5py
 
-from common import made_now, names_all, wait_for_work, wait_until
-from streams import COMMAND, run
+from command import main, pack, refused, run, sets, start
+from common import PATIENCE, made_now, names_all, wait_for_work, wait_until
 
-HISTORY = ["--set", "packing.grains=300", "--set", "packing.width=15", "--set", "packing.tolerance=1e-9",
-           "--set", "packing.history=[1e-5, 3e-4]"]
+HISTORY = ["pack", *sets(grains=300, width=15, tolerance=1e-9, history="[1e-5, 3e-4]"), "-o"]
+SMALL = ["pack", *sets(grains=60, width=6, tolerance=1e-6), "-o"]
+WHOLE, PART = pathlib.Path("whole.h5"), pathlib.Path("part.h5")
 
 
 def state_of(path):
-    return path.with_name(path.name + ".state")
+    return pathlib.Path(f"{path}.state")
 
 
 def stages_of(path):
@@ -37,101 +36,75 @@ def wait_for_states(making, path, count):
         wait_until(lambda: making.poll() is not None or stamp() not in (0, before), "a state", every=0.001)
 
 
-def killed_and_resumed(folder, seed=3, kills=6):
+def killed_and_resumed(seed=3, kills=6):
     """kill -9 again and again, when some more states were written; the file at the end is that of a making that nobody
     disturbed."""
-    whole, part = folder / "whole.h5", folder / "part.h5"
-    run("pack", *HISTORY, "-o", whole)
-    assert not state_of(whole).exists()
+    run(*HISTORY, WHOLE)
+    assert not state_of(WHOLE).exists()
     dice, resumed = random.Random(seed), 0
     print(f"seed {seed}")
     for _ in range(kills):
-        making = subprocess.Popen([COMMAND, "pack", *HISTORY, "-o", str(part), "--state-every", "0"],
-                                  stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        wait_for_states(making, part, dice.randrange(1, 4))
+        making = start(*HISTORY, PART, "--state-every", "0")
+        wait_for_states(making, PART, dice.randrange(1, 4))
         making.send_signal(signal.SIGKILL)
-        resumed += names_all(making.communicate()[1] or "-", state_of(part))
-        if part.exists():
+        resumed += names_all(making.communicate()[1] or "-", state_of(PART))
+        if PART.exists():
             break
     print(f"{resumed} went on")
     assert resumed >= 1
-    if not part.exists():
-        run("pack", *HISTORY, "-o", part)
-    assert not state_of(part).exists()
-    assert part.read_bytes() == whole.read_bytes()
-    for one, other in zip(stages_of(part), stages_of(whole)):
+    if not PART.exists():
+        run(*HISTORY, PART)
+    assert not state_of(PART).exists()
+    for one, other in zip([PART, *stages_of(PART)], [WHOLE, *stages_of(WHOLE)]):
         assert one.read_bytes() == other.read_bytes()
 
 
-def stopped_politely(folder):
+def stopped_politely():
     """Ctrl-C: the last state is written whatever the interval, and the way on is told."""
-    path = folder / "stopped.h5"
-    args = ["pack", "--set", "packing.grains=1500", "--set", "packing.pressure=1e-8", "--state-every", "1e6", "-o",
-            path]
-    making = subprocess.Popen([COMMAND, *map(str, args)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    path = pathlib.Path("stopped.h5")
+    making = start("pack", *sets(grains=1500, pressure=1e-8), "--state-every", "1e6", "-o", path)
     wait_for_work(making, 0)  # the signal comes before the first state could be kept: the making goes on to it
     making.send_signal(signal.SIGINT)
-    said = making.communicate()[1]
-    assert making.returncode == 1 and names_all(said, state_of(path)), said
-    assert state_of(path).exists() and not path.exists()
-    # a state of another scene is told of, and makes place
-    other = run("pack", "--set", "packing.grains=60", "--set", "packing.width=6", "--set", "packing.tolerance=1e-6",
-                "-o", path)
-    assert names_all(other.stderr, state_of(path)), other.stderr
-    assert path.exists() and not state_of(path).exists()
+    said = making.communicate(timeout=PATIENCE)[1]
+    assert making.returncode == 1 and names_all(said, state_of(path)) and state_of(path).exists() and not path.exists(), said
+    # a state of another scene is told of, and makes place; so is one that is damaged; what is none stays
+    assert names_all(run(*SMALL, path).stderr, state_of(path)) and path.exists() and not state_of(path).exists()
+    other = pathlib.Path("damaged.h5")
+    state_of(other).write_text("my notes")
+    refused(state_of(other), *SMALL, other)
+    assert state_of(other).read_text() == "my notes"
+    state_of(other).write_bytes(b"SNPKSTAT" + os.urandom(3000))
+    assert names_all(run(*SMALL, other).stderr, state_of(other))
 
 
-def damaged_states(folder):
-    path = folder / "damaged.h5"
-    small = ["pack", "--set", "packing.grains=60", "--set", "packing.width=6", "--set", "packing.tolerance=1e-6"]
-    state_of(path).write_text("my notes")
-    assert names_all(run(*small, "-o", path, status=2).stderr, state_of(path))
-    assert state_of(path).read_text() == "my notes"
-    state_of(path).write_bytes(b"SNPKSTAT" + os.urandom(3000))
-    assert names_all(run(*small, "-o", path).stderr, state_of(path))
-
-
-def from_a_file(folder):
-    first, low, back = folder / "whole.h5", folder / "low.h5", folder / "back.h5"
-    scene = folder / "low.cfg"
+def from_a_file():
+    scene = pathlib.Path("scenes/low.cfg")
+    scene.parent.mkdir()
+    WHOLE.rename(scene.parent / "whole.h5")
     scene.write_text('packing = { kind = "file"; file = "whole.h5"; pressure = 1e-5; };\n')
-    run("pack", scene, "-o", low)  # the name is relative to the scene
-    run("pack", "--set", "packing.kind=file", "--set", f"packing.file={low}", "-o", back)
-    run("check", first, low, back, *stages_of(first))
-    with h5py.File(low) as f, h5py.File(first) as g:
-        assert len(f["particles/grains/position/value"][-1]) == len(g["particles/grains/position/value"][-1]) == 300
-    refused = run("pack", scene, "--set", "packing.grains=301", "-o", folder / "x.h5", status=2).stderr
-    assert "packing.grains = 301: must be that of packing.file, 300" in refused, refused
-    refused = run("pack", scene, "--set", "packing.content=5", "-o", folder / "x.h5", status=2).stderr
-    assert "packing.content = 5" in refused, refused
-    assert names_all(run("pack", "--set", "packing.kind=file", "-o", folder / "x.h5", status=2).stderr, "packing.file")
-    missing = run("pack", scene, "--set", "packing.file=none.h5", "-o", folder / "x.h5", status=1).stderr
-    assert "packing.file" in missing and "none.h5" in missing, missing
+    run("pack", scene, "-o", "low.h5")  # the name is relative to the scene
+    pack("back.h5", kind="file", file="low.h5")
+    run("check", "low.h5", "back.h5", *stages_of(PART))
+    with h5py.File("low.h5") as low, h5py.File(PART) as first:
+        assert low["particles/grains/radius"].shape == first["particles/grains/radius"].shape == (300,)
+    for names, keys, status in (("packing.grains 301 300", {"grains": 301}, 2), ("packing.content 5", {"content": 5}, 2),
+                                ("packing.file none.h5", {"file": "none.h5"}, 1)):
+        refused(names, "pack", scene, *sets(**keys), "-o", "x.h5", status=status)
     # stages are in the way
-    assert names_all(run("pack", *HISTORY, "-o", first, status=2).stderr, first)
-    os.remove(first)
-    assert names_all(run("pack", *HISTORY, "-o", first, status=2).stderr, "stage1.h5")
+    refused(PART, *HISTORY, PART)
+    PART.unlink()
+    refused("stage1.h5", *HISTORY, PART)
 
 
-def a_study_from_a_file(folder):
-    scene, store = folder / "study.cfg", folder / "store"
+def a_study_from_a_file():
+    scene = pathlib.Path("study.cfg")
     scene.write_text('packing = { kind = "file"; file = "low.h5"; };\n study = { want = ["statics"]; samples = 1;\n'
                      'sweep = ( { key = "packing.pressure"; values = [2e-5, 1e-4]; } ); };\n')
-    table = run("study", scene, "--store", store, "--jobs", 2).stdout
-    assert len([line for line in table.splitlines() if line[:1].isdigit()]) == 2, table
-    moved = folder / "moved"
-    moved.mkdir()
-    (folder / "low.h5").rename(moved / "low.h5")
-    scene.rename(moved / "study.cfg")
-    again = run("study", moved / "study.cfg", "--store", store)
+    text = run("study", scene, "--store", "store", "--jobs", 2).stdout
+    assert len([line for line in text.splitlines() if line[:1].isdigit()]) == 2, text
+    pathlib.Path("low.h5").rename("scenes/low.h5")
+    again = run("study", scene.rename("scenes/study.cfg"), "--store", "store")
     assert made_now(again.stderr) == 0, again.stderr
 
 
-with tempfile.TemporaryDirectory(prefix="sonopack-restart-") as name:
-    where = pathlib.Path(name)
-    killed_and_resumed(where)
-    stopped_politely(where)
-    damaged_states(where)
-    from_a_file(where)
-    a_study_from_a_file(where)
-print("ok")
+main(killed_and_resumed, stopped_politely, from_a_file, a_study_from_a_file)

@@ -50,143 +50,113 @@ class Checkout:
 
     def __init__(self, folder, installed):
         self.here = pathlib.Path(folder)
-        self.tree = self.here / "a checkout"
-        self.bin = self.here / "bin"
+        self.tree, self.bin = self.here / "a checkout", self.here / "bin"
         self.tree.mkdir()
         self.bin.mkdir()
         for name in ("run", "CMakePresets.json"):
             shutil.copy(SOURCE / name, self.tree)
         shutil.copytree(SOURCE / ".ci", self.tree / ".ci")
-        for tool in TOOLS:
-            if shutil.which(tool):
-                (self.bin / tool).symlink_to(shutil.which(tool))
+        for tool in filter(shutil.which, TOOLS):
+            (self.bin / tool).symlink_to(shutil.which(tool))
         for name, body in STUBS.items():
             (self.bin / name).write_text(f"#!/usr/bin/env bash\n{body}\n")
             (self.bin / name).chmod(0o755)
         (self.here / "installed").write_text("\n".join(installed) + "\n")
         (self.here / "command").write_text(COMMAND)
 
-    def run(self, *arguments, script="run", **variables):
+    def run(self, *words, status=0, script="run", **variables):
+        """(the process, what it called)"""
         (self.here / "log").write_text("")
-        env = {"PATH": str(self.bin), "HERE": str(self.here), **variables}
-        result = subprocess.run([self.bin / "bash", self.tree / script, *arguments], env=env, text=True,
-                                capture_output=True, stdin=subprocess.DEVNULL, cwd=self.here)
-        # sbin of this machine is on the PATH too, but the stand-ins come first
-        return result, (self.here / "log").read_text().splitlines()
+        done = subprocess.run([self.bin / "bash", self.tree / script, *words], text=True, capture_output=True, cwd=self.here,
+                              stdin=subprocess.DEVNULL, env={"PATH": str(self.bin), "HERE": str(self.here), **variables})
+        log = (self.here / "log").read_text().splitlines()
+        assert done.returncode == status, (words, done, log)
+        return done, log
 
 
 def packages(name):
-    text = (SOURCE / "run").read_text()
-    return text.split(f"{name}=(")[1].split(")")[0].split()
+    return (SOURCE / "run").read_text().split(f"{name}=(")[1].split(")")[0].split()
 
 
 BUILD, TEST = packages("build_packages"), packages("test_packages")
 
 
-def check(condition, *what):
-    if not condition:
-        print(*what, sep="\n")
-        raise SystemExit("failed")
-
-
-def try_usage(folder):
+def usage(folder):
     box = Checkout(folder, BUILD + TEST)
-    for arguments, status in ((("help",), 0), (("--help",), 0), (("nonsense",), 2), (("test", "more"), 2)):
-        result, log = box.run(*arguments)
-        check(result.returncode == status and not log, arguments, result, log)
-        check("usage: ./run" in (result.stdout if status == 0 else result.stderr), arguments, result)
+    for words, status in ((("help",), 0), (("--help",), 0), (("nonsense",), 2), (("test", "more"), 2)):
+        done, log = box.run(*words, status=status)
+        assert not log and "usage: ./run" in (done.stderr if status else done.stdout), (words, log)
 
 
-def try_bare_machine(folder):
+def bare_machine(folder):
     box = Checkout(folder, [p for p in BUILD if p not in ("cmake", "libhdf5-dev")])
-    result, log = box.run("build")
-    check(result.returncode == 0, result, log)
-    check(log[0].startswith("apt-get update"), log)
+    done, log = box.run("build")
     words = log[1].split()
-    check(words[:2] == ["apt-get", "install"] and "-y" in words and "--no-install-recommends" in words, log)
-    check([w for w in words[2:] if not w.startswith("-")] == ["cmake", "libhdf5-dev"], log)
-    check("cmake libhdf5-dev" in result.stderr, result.stderr)
-    check(any(line.startswith("cmake --preset release") for line in log), log)
-    check(any(line.startswith("cmake --build build/release") and "3" in line for line in log), log)
-    result, log = box.run("build")
-    check(result.returncode == 0 and not any("apt-get" in line for line in log), "a second time", result, log)
+    assert log[0].startswith("apt-get update") and words[:2] == ["apt-get", "install"], log
+    assert {"-y", "--no-install-recommends"} <= set(words) and "cmake libhdf5-dev" in done.stderr, log
+    assert [word for word in words[2:] if not word.startswith("-")] == ["cmake", "libhdf5-dev"], log
+    assert any(line.startswith("cmake --preset release") for line in log), log
+    assert any(line.startswith("cmake --build build/release") and "3" in line for line in log), log
+    assert not any("apt-get" in line for line in box.run("build")[1]), "a second time"
 
 
-def try_without_root(folder):
-    box = Checkout(folder, [p for p in BUILD if p != "cmake"])
-    result, log = box.run("build", FAKE_UID="1000")
-    check(result.returncode == 0 and log[0] == "sudo" and log[1].startswith("apt-get update"), result, log)
+def failures(folder):
+    box = Checkout(folder, ["gcc"])
+    done, log = box.run("build", status=1, APT_FAILS="install")
+    assert "apt-get" in done.stderr and not any("cmake" in line.split()[0] for line in log), log
+    box.run("build", APT_FAILS="update")  # stale package lists may do
+    assert "./run" in box.run(status=1, STUDY_FAILS="study")[0].stderr
+    (box.here / "installed").write_text("gcc\n")
+    log = box.run("build", FAKE_UID="1000")[1]
+    assert log[0] == "sudo" and log[1].startswith("apt-get update"), log
     (box.here / "installed").write_text("gcc\n")
     (box.bin / "sudo").unlink()
-    result, log = box.run("build", FAKE_UID="1000")
-    check(result.returncode == 1 and not log and "apt-get" in result.stderr, result, log)
+    done, log = box.run("build", status=1, FAKE_UID="1000")
+    assert not log and "apt-get" in done.stderr, log
 
 
-def try_failures(folder):
-    box = Checkout(folder, ["gcc"])
-    result, log = box.run("build", APT_FAILS="install")
-    check(result.returncode == 1 and "apt-get" in result.stderr, result, log)
-    check(not any("cmake" in line.split()[0] for line in log), "built all the same", log)
-    result, log = box.run("build", APT_FAILS="update")
-    check(result.returncode == 0, "stale package lists may do", result, log)
-    result, log = box.run(STUDY_FAILS="study")
-    check(result.returncode == 1 and "./run" in result.stderr, result, log)
-
-
-def try_main_job(folder):
+def main_job(folder):
     box = Checkout(folder, BUILD)
     for _ in range(2):
-        result, log = box.run()
-        check(result.returncode == 0, result, log)
-        study = [line for line in log if line.startswith("sonopack study")]
-        check(len(study) == 1 and "packings/ctof-quick.cfg" in study[0], log)
-        check("--store results/ctof-quick" in study[0] and "--jobs 3" in study[0], log)
-        rows = [line.split() for line in result.stdout.splitlines() if line.strip().startswith("1.0e-")]
-        check([row[-3] for row in rows] == ["0.0822", "0.2600"], "the paper's c_tof, 0.26 (p/1e-4)^(1/6)", result)
-        check([row[2] for row in rows] == ["0.0825", "0.2613"], "our c_tof", result)
+        done, log = box.run()
+        study, = (line for line in log if line.startswith("sonopack study"))
+        assert all(word in study for word in ("packings/ctof-quick.cfg", "--store results/ctof-quick", "--jobs 3")), log
+        rows = [line.split() for line in done.stdout.splitlines() if line.strip().startswith("1.0e-")]
+        assert [row[-3] for row in rows] == ["0.0822", "0.2600"], "the paper's c_tof, 0.26 (p/1e-4)^(1/6)"
+        assert [row[2] for row in rows] == ["0.0825", "0.2613"], rows
         for name in ("results/ctof-quick.tsv", "results/ctof.svg", "results/ctof.png"):
-            check((box.tree / name).exists() and name in result.stdout, name, result)
+            assert (box.tree / name).exists() and name in done.stdout, name
 
 
-def try_moved_checkout(folder):
+def moved_checkout(folder):
     box = Checkout(folder, BUILD)
     box.run("build")
     (box.tree / "build/release/CMakeCache.txt").write_text("CMAKE_HOME_DIRECTORY:INTERNAL=/elsewhere\n")
     (box.tree / "build/release/stale").write_text("")
-    result, log = box.run("build")
-    check(result.returncode == 0 and not (box.tree / "build/release/stale").exists(), result, log)
+    box.run("build")
+    assert not (box.tree / "build/release/stale").exists()
     (box.tree / "results").mkdir()
-    result, log = box.run("clean")
-    check(not (box.tree / "build").exists() and (box.tree / "results").exists(), "clean keeps results", result)
+    box.run("clean")
+    assert not (box.tree / "build").exists() and (box.tree / "results").exists(), "clean keeps results"
 
 
-def try_tests(folder):
+def tests(folder):
     box = Checkout(folder, BUILD)
-    result, log = box.run("test")
-    check(set(TEST) <= set(log[1].split()), "test packages", log)
-    check([line for line in log if line.startswith("ctest")][-1].split()[1:3] == ["--test-dir", "build/release"], log)
-    check(sum(line.startswith("ctest") for line in log) == 1 and "-LE long|slow|foreign" in log[-1], log)
-    check(result.stdout.splitlines()[-1].startswith("100% tests passed"), result)
-    result, log = box.run("test-long")
-    check(log[-1].endswith("-LE foreign"), log)
-    result, log = box.run("test-foreign")
-    check({"lammps", "yade", "octave", "chromium", "python3-vtk9"} <= set(" ".join(log).split()), log)
-    check(log[-1].endswith("-L foreign"), log)
-    result, log = box.run(script=".ci/run")
-    check(result.returncode == 0, result, log)
+    done, log = box.run("test")
+    assert set(TEST) <= set(log[1].split()) and sum(line.startswith("ctest") for line in log) == 1, log
+    assert log[-1].startswith("ctest --test-dir build/release") and "-LE long|slow|foreign" in log[-1], log
+    assert done.stdout.splitlines()[-1].startswith("100% tests passed")
+    assert box.run("test-long")[1][-1].endswith("-LE foreign")
+    log = box.run("test-foreign")[1]
+    assert {"lammps", "yade", "octave", "chromium", "python3-vtk9"} <= set(" ".join(log).split())
+    assert log[-1].endswith("-L foreign"), log
+    done, log = box.run(script=".ci/run")
     presets = [line.split()[2] for line in log if line.startswith("cmake --preset")]
-    check(presets == ["clang", "sanitize", "release"] and "SONOPACK_WERROR=ON" in "".join(log), log)
-    check(log[-1].startswith("ctest --test-dir build/release") and log[-1].split()[-1] == "long|foreign", log)
-    check(result.stdout.splitlines()[-1] == "100% tests passed, 0 tests failed out of 7", result)
+    assert presets == ["clang", "sanitize", "release"] and "SONOPACK_WERROR=ON" in "".join(log), log
+    assert log[-1].startswith("ctest --test-dir build/release") and log[-1].split()[-1] == "long|foreign", log
 
 
-def main():
-    for trial in (try_usage, try_bare_machine, try_without_root, try_failures, try_main_job, try_moved_checkout,
-                  try_tests):
-        with tempfile.TemporaryDirectory(prefix="sonopack-run-") as folder:
-            trial(folder)
-        print(trial.__name__, "ok")
-
-
-if __name__ == "__main__":
-    main()
+for test in (usage, bare_machine, failures, main_job, moved_checkout, tests):
+    with tempfile.TemporaryDirectory(prefix="sonopack-run-") as scratch:
+        test(scratch)
+    print(test.__name__, "ok")

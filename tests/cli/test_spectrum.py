@@ -1,43 +1,17 @@
-#!/usr/bin/env python3
 """spectrum against numpy on dense matrices, built here anew from the packing file, and against the closed forms of
-lattices. Usage: test_spectrum.py COMMAND SOURCE_DIR"""
-import os
-import tempfile
+lattices. The errors of the methods are in tests/unit/test_spectrum.c.
+
+usage: test_spectrum.py COMMAND SOURCE_DIR
+"""
+import pathlib
 
 import numpy as np
 import scipy.linalg
 
-from network_oracle import Network
-from test_signal import N200, columns, run, table
+from command import N200, N600, main, pack, refused, run, table
+from network_oracle import network
 
-
-class Waves(Network):
-    """The network with positions and dashpots."""
-
-    def __init__(self, path):
-        super().__init__(path)
-        lines = open(path).read().splitlines()
-        n = int(dict(zip(*[iter(lines[1].split())] * 2))["N"])
-        grains = np.array([line.split() for line in lines[2:2 + n]], dtype=float)
-        # grains that carry are those whose mass is in the list, in order
-        mass = 4 / 3 * np.pi * grains[:, 2] ** 3
-        kept, k = [], 0
-        for i in range(n):
-            if k < len(self.mass) and np.isclose(mass[i], self.mass[k], rtol=1e-14):
-                kept.append(i)
-                k += 3
-        assert 3 * len(kept) == len(self.mass)
-        self.x = grains[kept, :2]
-
-    def damping(self, zeta):
-        """C: every row of B has a dashpot 2 zeta sqrt(m_eff k)."""
-        m = []
-        for b in self.b:
-            grains = sorted({c // 3 for c in np.flatnonzero(b)})
-            masses = self.mass[[3 * g for g in grains]]
-            m.append(masses[0] if len(grains) == 1 else masses.prod() / masses.sum())
-        c = 2 * zeta * np.sqrt(np.array(m) * self.k)
-        return self.b.T @ (c[:, None] * self.b), c
+NET = network(N200)
 
 
 def jackson(n):
@@ -53,133 +27,133 @@ def smooth(frequencies, weights, top, moments, at):
     return np.cos(np.outer(phi, k)) @ mu / np.pi * 2 / (top * np.cos(phi / 2))
 
 
-def test_dos(network, path):
-    exact = network.frequencies()
+def densities():
+    exact = NET.frequencies()
     for method in ("exact", "count"):
-        comments, t = columns(run("spectrum", "dos", path, "--method", method, "--norm", "modes", "--bins", 37))
-        assert list(t) == ["omega", "low", "high", "density", "density_err", "cumulative", "cumulative_err", "smooth",
+        t = table("spectrum", "dos", N200, "--method", method, "--norm", "modes", "--bins", 37)
+        assert t.names == ["omega", "low", "high", "density", "density_err", "cumulative", "cumulative_err", "smooth",
                            "smooth_err"]
         edges = np.append(t["low"], t["high"][-1])
         assert np.array_equal(t["high"][:-1], t["low"][1:]) and np.allclose(t["omega"], (t["low"] + t["high"]) / 2)
         assert np.array_equal(t["cumulative"], [np.sum(exact <= x) for x in t["high"]]), method
         assert np.allclose(t["density"] * np.diff(edges), np.histogram(exact, edges)[0], atol=1e-9)
-        assert np.all(t["cumulative_err"] == 0) and comments["zero_modes"] == comments["rattler_modes"]
-        assert int(comments["rattler_modes"]) == 3 * network.rattlers
-    comments, t = columns(run("spectrum", "dos", path, "--bins", 37))
-    top, moments = float(comments["omega_max"]), int(comments["moments"])
+        assert np.all(t["cumulative_err"] == 0) and int(t.notes["rattler_modes"]) == 3 * NET.rattlers
+    t = table("spectrum", "dos", N200, "--bins", 37)
+    top, moments = t.note("omega_max"), int(t.note("moments"))
     g = smooth(exact, np.full(len(exact), 3 / len(exact)), top, moments, t["omega"])
     assert np.allclose(t["smooth"], g, rtol=1e-9, atol=1e-12)
-    assert np.isclose(float(comments["resolution"]), np.pi * top / (2 * moments), rtol=1e-12)
-    _, k = columns(run("spectrum", "dos", path, "--bins", 37, "--method", "kpm", "--vectors", 100))
+    assert np.isclose(t.note("resolution"), np.pi * top / (2 * moments), rtol=1e-12)
+    k = table("spectrum", "dos", N200, "--bins", 37, "--method", "kpm", "--vectors", 100)
     off = (k["smooth"] - g) / k["smooth_err"]
     assert np.sqrt(np.mean(off[t["omega"] < 0.8 * top] ** 2)) < 1.6 and np.max(np.abs(off)) < 5.5, off
-    one, two, other = (run("spectrum", "dos", path, "--method", "kpm", *words) for words in
+    one, two, other = (run("spectrum", "dos", N200, "--method", "kpm", *words).stdout for words in
                        ([], ["--threads", 2], ["--seed", 2]))
     assert one == two != other
 
 
-def test_transmission(network, path):
-    _, t = columns(run("spectrum", "transmission", path, "--lines"))
-    root = np.sqrt(network.mass)
-    omega = np.sqrt(network.squares)
-    ab = (network.vectors.T @ (network.source / root)) * (network.vectors.T @ (network.detector / root)) / omega
+def amplitudes():
+    """Of every mode in the signal."""
+    root, omega = np.sqrt(NET.mass), np.sqrt(NET.squares)
+    return omega, (NET.vectors.T @ (NET.source / root)) * (NET.vectors.T @ (NET.detector / root)) / omega
+
+
+def transmission():
+    t = table("spectrum", "transmission", N200, "--lines")
+    omega, ab = amplitudes()
     gap = np.minimum(np.append(np.diff(omega), 1), np.append(1, np.diff(omega)))
     assert np.allclose(t["omega"], omega, rtol=1e-9)
     assert np.max(np.abs(t["ab"] - ab)[gap > 1e-5]) < 1e-10 * np.max(np.abs(ab))
     assert np.isclose(t["share"][-1], 1, rtol=1e-12) and np.all(np.diff(t["share"]) >= 0)
-    comments, s = columns(run("spectrum", "transmission", path, "--bins", 90))
-    top, moments = float(comments["omega_max"]), int(comments["moments"])
+    s = table("spectrum", "transmission", N200, "--bins", 90)
+    top, moments = s.note("omega_max"), int(s.note("moments"))
     assert np.allclose(s["magnitude"], np.hypot(s["re"], s["im"]), rtol=1e-13)
-    g = jackson(2 * moments)[1::2]
     odd = 2 * np.arange(moments) + 1
-    w = 2 * g * (np.sin(np.outer(odd, np.arcsin(omega / top))) @ ab)
+    w = 2 * jackson(2 * moments)[1::2] * (np.sin(np.outer(odd, np.arcsin(omega / top))) @ ab)
     psi = np.arcsin(s["omega"] / top)
     f = np.exp(1j * np.outer(psi, odd)) @ w / (top * np.cos(psi))
     assert np.max(np.abs(f - s["re"] - 1j * s["im"])) < 1e-10 * np.max(np.abs(f))
 
 
-def test_dispersion(network, path):
+def dispersion():
+    root = np.sqrt(NET.mass)
+    a = NET.matrix / np.outer(root, root)
     for direction in ("x", "up"):
-        comments, header, rows = table(run("spectrum", "dispersion", path, "--direction", direction, "--waves", 3))
-        assert header == ["polarization", "n", "k", "rms", "spread", "peak", "half_width", "resolution"]
-        assert len(rows) == 9
-        root = np.sqrt(network.mass)
-        a = network.matrix / np.outer(root, root)
-        for word, n, *numbers in rows:
-            k, rms, spread, peak, half_width, resolution = map(float, numbers)
-            up = direction == "up"
+        t = table("spectrum", "dispersion", N200, "--direction", direction, "--waves", 2)
+        assert t.names == ["polarization", "n", "k", "rms", "spread", "peak", "half_width", "resolution"] and len(t) == 6
+        top, moments, up = t.note("omega_max"), int(t.note("moments")), direction == "up"
+        for word, n, k, rms, spread, peak, resolution in zip(t.words("polarization"), t["n"], t["k"], t["rms"], t["spread"],
+                                                             t["peak"], t["resolution"]):
             dof = {"longitudinal": int(up), "transverse": int(not up), "rotational": 2}[word]
+            assert np.isclose(k, n * np.pi / NET.height if up else n * 2 * np.pi / NET.width, rtol=1e-13)
             wave = np.zeros(len(root), complex)
-            if up:
-                assert np.isclose(k, int(n) * np.pi / network.height, rtol=1e-13)
-                wave[dof::3] = np.sin(k * network.x[:, 1])
-            else:
-                assert np.isclose(k, int(n) * 2 * np.pi / network.width, rtol=1e-13)
-                wave[dof::3] = np.exp(1j * k * network.x[:, 0])
-            wave = wave * root
+            wave[dof::3] = np.sin(k * NET.centre[:, 1]) if up else np.exp(1j * k * NET.centre[:, 0])
+            wave *= root
             wave /= np.linalg.norm(wave)
-            second = np.real(wave.conj() @ a @ wave)
-            fourth = np.linalg.norm(a @ wave) ** 2
+            second, fourth = np.real(wave.conj() @ a @ wave), np.linalg.norm(a @ wave) ** 2
             assert np.isclose(rms, np.sqrt(second), rtol=1e-11)
             assert np.isclose(spread, np.sqrt(fourth - second**2) / (2 * rms), rtol=1e-8)
-            top, moments = float(comments["omega_max"]), int(comments["moments"])
-            weights = np.abs(network.vectors.T @ wave) ** 2
             phi = np.linspace(0, np.pi, 20 * moments)[1:-1]
             at = top * np.sin(phi / 2)
-            s = smooth(np.sqrt(network.squares), weights, top, moments, at) * np.cos(phi / 2)
+            s = smooth(np.sqrt(NET.squares), np.abs(NET.vectors.T @ wave) ** 2, top, moments, at) * np.cos(phi / 2)
             assert abs(peak - at[np.argmax(s)]) < 0.1 * resolution, (word, n, peak, at[np.argmax(s)])
-    _, header, rows = table(run("spectrum", "dispersion", path, "--profile", "--bins", 200, "--waves", 2))
-    assert header == ["polarization", "n", "k", "omega", "S"] and len(rows) == 1200
+    t = table("spectrum", "dispersion", N200, "--profile", "--bins", 200, "--waves", 2)
+    assert t.names == ["polarization", "n", "k", "omega", "S"] and len(t) == 1200
 
 
-def test_harmonic(network, path):
-    frequencies = [0.01, 0.1, 0.35, 0.9]
-    for zeta in (0.05, 1):
-        comments, t = columns(run("spectrum", "harmonic", path, "--damping", zeta, "--at",
-                                  ",".join(map(str, frequencies)), "--layers", 8))
-        _, profile = columns(run("spectrum", "harmonic", path, "--damping", zeta, "--at",
-                                 ",".join(map(str, frequencies)), "--layers", 8, "--profile"))
-        c, each = network.damping(zeta)
-        # the force on the top wall by springs and dashpots: rows of B at that wall, times what n_y and t_y are
-        top = np.zeros((2, len(network.mass)))
-        for b, k, q in zip(network.b, network.k, each):
-            grains = {g // 3 for g in np.flatnonzero(b)}
-            if len(grains) == 1 and network.x[next(iter(grains)), 1] > network.height / 2:
-                gap = -b[3 * next(iter(grains)) + 1]  # the wall's own motion along y in this row
-                top += -np.outer([k, q], b) * gap
-        assert np.allclose(top[0], network.detector, atol=1e-14)
-        for l, omega in enumerate(frequencies):
-            h = network.matrix - omega**2 * np.diag(network.mass) + 1j * omega * c
-            u = scipy.linalg.solve(h, network.source)
-            f = (top[0] + 1j * omega * top[1]) @ u
-            off = abs(f - t["re"][l] - 1j * t["im"][l])
-            assert off <= t["error"][l] + 1e-9 * abs(f), (zeta, omega, off / abs(f), t["error"][l] / abs(f))
-            # planes: the momentum of what lies above changes by the force through the plane less that on the wall
-            rows = profile["omega"] == omega
-            for y, re, im in zip(profile["height"][rows], profile["re"][rows], profile["im"][rows]):
-                above = np.repeat(network.x[:, 1] > y, 3) & (np.arange(len(u)) % 3 == 1)
-                through = f - omega**2 * np.sum((network.mass * u)[above])
-                assert abs(through - re - 1j * im) < 1e-8 * max(np.hypot(profile["re"][rows], profile["im"][rows]))
-    # without damping, away from resonances
-    omega = np.sqrt(network.squares)
-    middle = (omega[40] + omega[41]) / 2
-    _, t = columns(run("spectrum", "harmonic", path, "--at", repr(float(middle))))
-    f = network.detector @ scipy.linalg.solve(network.matrix - middle**2 * np.diag(network.mass), network.source)
+def harmonic():
+    words = ["spectrum", "harmonic", N200, "--damping=0.05", "--at=0.01,0.35", "--layers=8"]
+    t, profile = table(*words), table(*words, "--profile")
+    c = 0.05 * NET.c
+    damping = NET.b.T @ (c[:, None] * NET.b)
+    seen = NET.wall(-2, 1), NET.wall(-2, 1, stiffness=c)
+    for l, omega in enumerate((0.01, 0.35)):
+        u = scipy.linalg.solve(NET.matrix - omega**2 * np.diag(NET.mass) + 1j * omega * damping, NET.source)
+        f = (seen[0] + 1j * omega * seen[1]) @ u
+        off = abs(f - t["re"][l] - 1j * t["im"][l])
+        assert off <= t["error"][l] + 1e-9 * abs(f), (omega, off / abs(f), t["error"][l] / abs(f))
+        # planes: the momentum of what lies above changes by the force through the plane less that on the wall
+        rows = profile["omega"] == omega
+        through = profile["re"][rows] + 1j * profile["im"][rows]
+        for y, shown in zip(profile["height"][rows], through):
+            above = np.repeat(NET.centre[:, 1] > y, 3) & (np.arange(len(u)) % 3 == 1)
+            assert abs(f - omega**2 * np.sum((NET.mass * u)[above]) - shown) < 1e-8 * np.abs(through).max()
+    omega = np.sqrt(NET.squares)  # without damping, away from resonances
+    middle = float(omega[40] + omega[41]) / 2
+    t = table("spectrum", "harmonic", N200, "--at", repr(middle))
+    f = NET.detector @ scipy.linalg.solve(NET.matrix - middle**2 * np.diag(NET.mass), NET.source)
     assert abs(t["re"][0] - f) <= t["error"][0] + 1e-8 * abs(f) and t["im"][0] == 0
-    assert "an error of up to" in run("spectrum", "harmonic", path, "--at", repr(float(omega[40])), status=1)
+    # at a resonance there is no number, and another frequency has its own all the same
+    refused("", "spectrum", "harmonic", N200, "--at", repr(float(omega[40])), status=1)
+    done = run("spectrum", "harmonic", N200, "--at", f"0.05,{float(omega[40])!r}", status=1)
+    rows = [line.split("\t") for line in done.stdout.splitlines() if not line.startswith("#")]
+    assert "nan" not in rows[1][1:5] and set(rows[2][1:]) == {"nan"} and "# refused = 1 " in done.stdout, rows
 
 
-def test_participation(network, path):
-    _, t = columns(run("spectrum", "participation", path, "--bins", 6, "--omega-max", 1.2))
-    share = (network.vectors**2).reshape(-1, 3, len(network.squares)).sum(axis=1)
-    ratio = 1 / (len(share) * (share**2).sum(axis=0))
-    omega = network.frequencies()
+def participation():
+    t = table("spectrum", "participation", N200, "--bins", 6, "--omega-max", 1.2)
+    share = (NET.vectors**2).reshape(-1, 3, len(NET.squares)).sum(axis=1)
+    ratio, omega = 1 / (len(share) * (share**2).sum(axis=0)), NET.frequencies()
     for b in range(6):
         mine = ratio[(omega > t["low"][b]) & (omega <= t["high"][b])]
         assert len(mine) == t["modes"][b]
-        assert np.isclose(t["participation"][b], mine.mean(), rtol=1e-6)
-        assert np.isclose(t["sd"][b], mine.std(ddof=1), rtol=1e-6)
-        assert np.isclose(t["max"][b], mine.max(), rtol=1e-6)
+        for name, value in (("participation", mine.mean()), ("sd", mine.std(ddof=1)), ("max", mine.max())):
+            assert np.isclose(t[name][b], value, rtol=1e-6), (b, name)
+
+
+def continuum():
+    """The modes of the packing beside those of an elastic strip of its moduli."""
+    t, net = table("spectrum", "continuum", N600, "--lowest", 5), network(N600)
+    c, omega = net.moduli(), net.frequencies()[:5]
+    assert t.names == "n omega n1 n2 branch omega_plane omega_continuum ratio overlap".split()
+    for name, value in (("C11", c[0, 0]), ("C12", c[0, 1]), ("C22", c[1, 1]), ("C33", c[2, 2])):
+        assert np.isclose(t.note(name), value, rtol=1e-9)
+    assert np.allclose(t["omega"], omega, rtol=1e-8) and np.allclose(t["ratio"], omega / t["omega_continuum"], rtol=1e-7)
+    for k, branch in enumerate(t.words("branch")):
+        k1, k2 = 2 * np.pi * t["n1"][k] / net.width, np.pi * t["n2"][k] / net.height
+        side = (c[0, 1] + c[2, 2]) * k1 * k2
+        tensor = [[c[0, 0] * k1**2 + c[2, 2] * k2**2, side], [side, c[2, 2] * k1**2 + c[1, 1] * k2**2]]
+        plane = np.sqrt(np.linalg.eigvalsh(tensor) / t.note("Phi3s"))[int(branch == "+")]
+        assert np.isclose(t["omega_plane"][k], plane, rtol=1e-9) and 0 < t["overlap"][k] < 1
 
 
 def lattice_frequencies(k, spring, eta, mass, radius, arm):
@@ -196,93 +170,52 @@ def lattice_frequencies(k, spring, eta, mass, radius, arm):
     return m / np.outer(scale, scale)
 
 
-def test_lattice():
-    """Plane waves along x in a lattice: the walls disturb only the outermost rows."""
-    with tempfile.TemporaryDirectory() as folder:
-        for friction in (0, 0.5):
-            path = os.path.join(folder, f"lattice{friction}.txt")
-            run("pack", "--set", "packing.kind=triangular", "--set", "packing.grains=1600", "--set", "packing.width=16",
-                "--set", f"packing.friction={friction}", "-o", path)
-            comments, header, rows = table(run("spectrum", "dispersion", path, "--waves", 5))
-            lines = open(path).read().splitlines()
-            width = float(dict(zip(*[iter(lines[1].split())] * 2))["Lx"]) if "Lx" in lines[1] else None
-            values = [dict(zip(header, row)) for row in rows]
-            k1 = float(values[0]["k"])
-            arm = 2 * np.pi / k1 / 16  # spacing of the grains
-            overlap = 1 - arm
-            spring, mass = np.sqrt(0.25 * overlap), np.pi / 6
-            assert width is None or np.isclose(width, 16 * arm)
-            kinds = ("longitudinal", "transverse", "rotational")[:2 if friction == 0 else 3]
-            assert {v["polarization"] for v in values} == set(kinds)
-            for v in values:
-                matrix = lattice_frequencies(float(v["k"]), spring, 1 if friction else 0, mass, 0.5, arm)
-                d = kinds.index(v["polarization"])
-                if friction == 0:
-                    matrix = matrix[:2, :2]
-                    k = float(v["k"]) * arm
-                    closed = (2 * (1 - np.cos(k)) + (1 - np.cos(k / 2)), 3 * (1 - np.cos(k / 2)))[d] * spring / mass
-                    assert np.isclose(matrix[d, d].real, closed, rtol=1e-12)
-                # the walls' springs hold 2 rows of 100
-                assert np.isclose(float(v["rms"]) ** 2, matrix[d, d].real, rtol=0.02, atol=0.06 * spring / mass), v
-                squares, vectors = np.linalg.eigh(matrix)
-                weight = np.abs(vectors[d]) ** 2
-                strongest = np.sqrt(squares[np.argmax(weight)])
-                assert abs(float(v["peak"]) - strongest) < 0.5 * float(v["resolution"]) + 0.01 * strongest, (v, strongest)
+def lattices():
+    """Plane waves along x in a lattice: the walls disturb only the outermost rows. Long waves of a chain travel at (C3)."""
+    for friction in (0, 0.5):
+        path = pack("lattice.h5", kind="triangular", grains=1600, width=16, friction=friction)
+        t = table("spectrum", "dispersion", path, "--waves", 5)
+        kinds = ("longitudinal", "transverse", "rotational")[:2 if friction == 0 else 3]
+        assert set(t.words("polarization")) == set(kinds)
+        arm = 2 * np.pi / t["k"][0] / 16  # spacing of the grains
+        spring, mass = np.sqrt(0.25 * (1 - arm)), np.pi / 6
+        for word, k, rms, peak, resolution in zip(t.words("polarization"), t["k"], t["rms"], t["peak"], t["resolution"]):
+            d = kinds.index(word)
+            matrix = lattice_frequencies(k, spring, 1 if friction else 0, mass, 0.5, arm)
+            matrix = matrix[:2, :2] if friction == 0 else matrix
+            # the walls' springs hold 2 rows of 100
+            assert np.isclose(rms**2, matrix[d, d].real, rtol=0.02, atol=0.06 * spring / mass), (word, k)
+            squares, vectors = np.linalg.eigh(matrix)
+            strongest = np.sqrt(squares[np.argmax(np.abs(vectors[d]) ** 2)])
+            assert abs(peak - strongest) < 0.5 * resolution + 0.01 * strongest, (word, k, peak, strongest)
+    t = table("spectrum", "dispersion", pack("chain.h5", kind="chain", grains=300), "--waves", 300)
+    assert t.notes["direction"] == "up" and t.notes["node"] == "0.5"
+    overlap = 3e-4 ** (2 / 3)
+    top = 2 * np.sqrt(np.sqrt(overlap / 4) / (np.pi / 6))
+    assert np.allclose(t["rms"], top * np.sin(t["k"] * (1 - overlap) / 2), rtol=1e-12)
 
 
-def test_chain_speed():
-    """Long waves of a chain travel at (C3)."""
-    with tempfile.TemporaryDirectory() as folder:
-        chain = os.path.join(folder, "chain.h5")
-        run("pack", "--set", "packing.kind=chain", "--set", "packing.grains=300", "-o", chain)
-        comments, header, rows = table(run("spectrum", "dispersion", chain, "--waves", 300))
-        assert comments["direction"] == "up" and comments["node"] == "0.5"
-        k, rms = (np.array([float(row[header.index(name)]) for row in rows]) for name in ("k", "rms"))
-        overlap = (3e-4) ** (2 / 3)
-        spring, mass = np.sqrt(overlap / 4), np.pi / 6
-        assert np.allclose(rms, 2 * np.sqrt(spring / mass) * np.sin(k * (1 - overlap) / 2), rtol=1e-12)
-
-
-def test_pulses(network, path):
-    """Against the sum over modes, the convolution by scipy-free closed forms of a square and by brute force."""
-    times = np.linspace(0, 150, 31)
-    root, omega = np.sqrt(network.mass), np.sqrt(network.squares)
-    ab = (network.vectors.T @ (network.source / root)) * (network.vectors.T @ (network.detector / root)) / omega
-    _, t = columns(run("signal", path, "--pulse", "square:7", "--until", 150, "--points", 31))
-    start = np.maximum(times - 7, 0)
+def pulses():
+    """Against the sum over modes: a square in closed form, a triangle from a file by Simpson's rule."""
+    times, (omega, ab), words = np.linspace(0, 150, 31), amplitudes(), ["signal", N200, "--until=150", "--points=31"]
+    f, start = table(*words, "--pulse=square:7")["F"], np.maximum(times - 7, 0)
     exact = (np.cos(np.outer(start, omega)) - np.cos(np.outer(times, omega))) @ (ab / omega) / 7
-    assert np.max(np.abs(t["F"] - exact)) < 1e-11 * np.max(np.abs(exact))
-    with tempfile.TemporaryDirectory() as folder:
-        pulse = os.path.join(folder, "pulse.tsv")
-        open(pulse, "w").write("# a triangle\nt\ts\n0\t0\n2\t1\n5\t0\n")
-        comments, t = columns(run("signal", path, "--pulse", "file:" + pulse, "--until", 150, "--points", 31))
-        assert comments["pulse"] == "file:" + pulse
-        at, s = np.linspace(0, 5, 200001), np.interp(np.linspace(0, 5, 200001), [0, 2, 5], [0, 1, 0])
-        for l in (10, 20, 30):  # Simpson's rule
-            weight = np.where(np.arange(len(at)) % 2, 4, 2).astype(float)
-            weight[[0, -1]] = 1
-            answer = sum(a * np.sum(weight * s * np.sin(w * (times[l] - at))) for a, w in zip(ab, omega)) * 5 / 6e5
-            assert abs(t["F"][l] - answer) < 1e-9 * np.max(np.abs(t["F"])), (l, t["F"][l], answer)
-        open(pulse, "w").write("t\ts\n1e6\t1\n1e7\t1\n")  # sent after the last time
-        _, t = columns(run("signal", path, "--pulse", "file:" + pulse, "--until", 150, "--points", 31))
-        assert np.all(t["F"] == 0)
-        open(pulse, "w").write("t\ts\n0\t0\n2\tnan\n5\t0\n")
-        assert "not finite" in run("signal", path, "--pulse", "file:" + pulse, status=1)
-        run("signal", path, "--pulse", "file:" + os.path.join(folder, "none"), status=1)
-    for word in ("boom", "gauss", "gauss:", "gauss:1:2", "gauss:-1", "sine:1", "file:", "square:0", "delta:1"):
-        assert "--pulse" in run("signal", path, "--pulse", word, status=2), word
-    assert columns(run("signal", path, "--points", 5, "--pulse", "delta"))[1]["F"].tolist() == columns(
-        run("signal", path, "--points", 5))[1]["F"].tolist()
+    assert np.max(np.abs(f - exact)) < 1e-11 * np.max(np.abs(exact))
+    pulse = pathlib.Path("pulse.tsv")
+    pulse.write_text("# a triangle\nt\ts\n0\t0\n2\t1\n5\t0\n")
+    t = table(*words, "--pulse=file:pulse.tsv")
+    assert t.notes["pulse"] == "file:pulse.tsv"
+    at = np.linspace(0, 5, 20001)
+    s, weight = np.interp(at, [0, 2, 5], [0, 1, 0]), np.where(np.arange(len(at)) % 2, 4, 2).astype(float)
+    weight[[0, -1]] = 1
+    for l in (10, 30):
+        answer = sum(a * np.sum(weight * s * np.sin(w * (times[l] - at))) for a, w in zip(ab, omega)) * 5 / 6e4
+        assert abs(t["F"][l] - answer) < 1e-9 * np.max(np.abs(t["F"])), (l, t["F"][l], answer)
+    pulse.write_text("t\ts\n1e6\t1\n1e7\t1\n")  # sent after the last time
+    assert np.all(table(*words, "--pulse=file:pulse.tsv")["F"] == 0)
+    pulse.write_text("t\ts\n0\t0\n2\tnan\n5\t0\n")
+    refused("pulse.tsv", "signal", N200, "--pulse=file:pulse.tsv", status=1)
+    assert table(*words, "--pulse=delta").body == table(*words).body
 
 
-if __name__ == "__main__":
-    small = Waves(N200)
-    test_dos(small, N200)
-    test_transmission(small, N200)
-    test_dispersion(small, N200)
-    test_harmonic(small, N200)
-    test_participation(small, N200)
-    test_pulses(small, N200)
-    test_lattice()
-    test_chain_speed()
-    print("passed")
+main(densities, transmission, dispersion, harmonic, participation, continuum, lattices, pulses)

@@ -6,40 +6,37 @@ usage: test_store_kill.py COMMAND SOURCE_DIR
 import pathlib
 import random
 import signal
-import sys
-import tempfile
 
-from store_faults import SMALL, Reference, calls_of, killed_at, shim, stopped_at_random
-
-
-def random_moments(folder):
-    reference = Reference(folder / "reference")
-    stopped_at_random(reference, folder, [signal.SIGKILL], 12, random.randrange(10**6))
-    stopped_at_random(reference, folder, [signal.SIGINT, signal.SIGTERM], 6, random.randrange(10**6))
-    return True
+from command import main
+from store_faults import SMALL, Reference, calls_of, killed_at, refused_at, shim, stopped_at_random
 
 
-def every_call(folder):
+def random_moments(kills=12, stops=6):
+    reference, folder = Reference(pathlib.Path("reference")), pathlib.Path()
+    stopped_at_random(reference, folder, [signal.SIGKILL], kills, random.randrange(10**6))
+    stopped_at_random(reference, folder, [signal.SIGINT, signal.SIGTERM], stops, random.randrange(10**6))
+
+
+def every_call(long=False):
     """Dead before each of the calls that change the store, and after half of the bytes of each write; then the power
-    fails as well."""
+    fails as well. In the long test each way, and each call that fails for each reason that it may have."""
+    folder = pathlib.Path().resolve()
     library = shim(folder)
     if not library:
-        return False
+        return "no cc, or a build with sanitizers"
     reference = Reference(folder / "small", SMALL)
     assert sum(name.endswith(".failed") for name in reference.content[0]) == 2
     for stage in range(2):
         calls = calls_of(library, reference, folder, stage)
         assert calls >= 8, calls
         for at in range(1, calls + 1):
-            killed_at(library, reference, folder, stage, ("KILL", "POWER")[at % 2], at)
-        print(f"stage {stage}: dead at each of {calls} calls")
-    return True
+            for do in ("KILL", "POWER") if long else (("KILL", "POWER")[at % 2],):
+                killed_at(library, reference, folder, stage, do, at)
+            for do in ("ENOSPC", "EDQUOT", "EIO", "EROFS") if long else ():
+                refused_at(library, reference, folder, stage, do, at)
+        print(f"stage {stage}: each of {calls} calls")
+    return None
 
 
-with tempfile.TemporaryDirectory() as name:
-    skipped = False
-    for test in (random_moments, every_call):
-        done = test(pathlib.Path(name))
-        print(test.__name__, "ok" if done else "skipped: no cc, or a build with sanitizers")
-        skipped = skipped or not done
-    sys.exit(77 if skipped else 0)
+if __name__ == "__main__":
+    main(random_moments, every_call)

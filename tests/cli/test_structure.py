@@ -26,7 +26,7 @@ FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"study/store"}),
            (r"libconfig\.h", {"study/scene"}), (r"argp\.h|getopt\.h|mpi\.h", {"app/cli"}),
            (r"gsl/.*|Random123/.*", {"core/numeric"})]
 LIBC = set("""assert complex ctype errno fcntl fenv float inttypes limits locale math pthread setjmp signal stdalign stdarg
-    stdatomic stdbool stddef stdint stdio stdlib string strings tgmath threads time unistd dirent dlfcn ftw libgen sched
+    stdatomic stdbool stddef stdint stdio stdlib string strings tgmath threads time unistd dirent dlfcn ftw libgen sched search
     """.split())
 # what only the command may do: speak, and end the process
 SPEECH = re.compile(r"(?<![\w.>])(printf|vprintf|puts|putchar|perror|exit|_exit|_Exit|quick_exit|abort|err|errx|warn|"

@@ -6,13 +6,9 @@ usage: test_units.py COMMAND SOURCE_DIR
 import math
 import pathlib
 import re
-import subprocess
-import sys
-import tempfile
 
+from command import SOURCE, Table, main, run, table, tables
 
-
-COMMAND, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2])
 E, NU, RHO, D = 70e9, 0.22, 2500.0, 1e-3
 MATERIAL = "E=70e9,nu=0.22,rho=2500,d=1e-3"
 GROUP = "material = { E = 70e9; nu = 0.22; rho = 2500; d = 1e-3; };\n"
@@ -63,28 +59,6 @@ STUDY = ("packing = { protocol = \"quick\"; width = \"8 mm\"; pressure = [\"7.5 
          " \"spectrum\"]; sweep = ( { key = \"packing.height\"; values = [\"8 mm\", \"14 mm\"]; } ); };\n")
 
 
-def sonopack(*arguments, status=0, cwd=None):
-    done = subprocess.run([COMMAND, *map(str, arguments)], text=True, capture_output=True, cwd=cwd, stdin=subprocess.DEVNULL)
-    assert done.returncode == status, f"sonopack {arguments}: {done.returncode}: {done.stderr}"
-    return done
-
-
-class Table:
-    """Comments, units, names and rows of a table as it is printed."""
-
-    def __init__(self, text):
-        lines = text.splitlines()
-        self.comments = [line[2:] for line in lines if line.startswith("# ") and not line.startswith("# units:")]
-        units = [line for line in lines if line.startswith("# units:")]
-        self.units = dict(re.findall(r"(\S+) \[([^\]]*)\]", units[0][8:])) if units else {}
-        rows = [line.split("\t") for line in lines if line and not line.startswith("#")]
-        self.names, self.rows = rows[0], rows[1:]
-
-
-def tables(text):
-    return [Table(part) for part in text.split("\n\n")]
-
-
 def close(a, b, factor, relative):
     if a in ("nan", "inf", "-inf"):
         return a == b
@@ -129,16 +103,15 @@ def compare(own, si):
             assert close(before[c], after[c], factor, 1e-15), f"{name}: {before[c]} -> {after[c]}, factor {factor}"
         converted += 1
     assert converted == 0 or any(line.startswith("material = E=") for line in si.comments), si.comments
-    comments = [[line for line in table.comments if not line.startswith("material = ")] for table in (own, si)]
+    comments = [[line for line in t.comments if not line.startswith(("material = ", "units: "))] for t in (own, si)]
     assert len(comments[0]) == len(comments[1]), comments
     for pair in zip(*comments):
         compare_comment(*pair)
     return converted
 
 
-def check_command(folder, *arguments, units=True):
-    own = tables(sonopack(*arguments, cwd=folder).stdout)
-    si = tables(sonopack(*arguments, "--units=si", cwd=folder).stdout)
+def check_command(*arguments, units=True):
+    own, si = (tables(run(*arguments, *more).stdout) for more in ((), ("--units=si",)))
     assert len(own) == len(si), arguments
     converted = 0
     for pair in zip(own, si):
@@ -149,14 +122,14 @@ def check_command(folder, *arguments, units=True):
     assert (converted > 0) == units, f"{arguments}: {converted} columns were converted"
 
 
-def check_commands(folder):
+def commands():
     """Every command that prints numbers of packings."""
     for name, scene in (("P", PACKING), ("W", PACKING.replace("grains = 90", "grains = 320")), ("K", "packing = { kind = \"chain\"; grains = 30; pressure = \"1 MPa\"; };\n"),
                         ("S", "packing = { dimension = 3; protocol = \"quick\"; grains = 150; width = \"5 mm\"; "
                               "pressure = \"10 MPa\"; friction = 0.3; };\n")):
-        (folder / f"{name}.cfg").write_text(GROUP + scene)
-        sonopack("pack", f"{name}.cfg", "-o", f"{name}.h5", "-q", cwd=folder)
-    (folder / "pulse.txt").write_text("0 0\n1 1\n4 0\n")
+        pathlib.Path(f"{name}.cfg").write_text(GROUP + scene)
+        run("pack", f"{name}.cfg", "-o", f"{name}.h5", "-q")
+    pathlib.Path("pulse.txt").write_text("0 0\n1 1\n4 0\n")
     for line in (
             "sensitivity P.h5", "sensitivity S.h5 --of peak --by mass,radius,position",
             "sensitivity P.h5 --of F --at 60 --by pressure", "sensitivity P.h5 --of C22", "sensitivity P.h5 --of omega:100",
@@ -180,35 +153,35 @@ def check_commands(folder):
             "design P.h5 --goal delay --iterations 2", "design P.h5 --goal band:0.1:0.2 --iterations 1 --rows grains",
             "coda P.h5 --trials 3 --noise 0.1", "coda P.h5 --detector part:0:4 --grain 40 --rows 4",
             "transport P.h5 --quantity split --at 0.3", "transport P.h5 --quantity energy --at 0.3"):
-        check_command(folder, *line.split())
-    check_command(folder, "check", "P.h5", units=False)
-    check_command(folder, "front", "K.h5", f"--material={MATERIAL}")
+        check_command(*line.split())
+    check_command("check", "P.h5", units=False)
+    check_command("front", "K.h5", f"--material={MATERIAL}")
     for line in ("chain front --grains 10:40:2 --pressure 1e-4", "chain signal --grains 20 --pressure 1e-4 --points 20"):
-        check_command(folder, *line.split(), f"--material={MATERIAL}")
+        check_command(*line.split(), f"--material={MATERIAL}")
 
 
-def check_tables_of_motions(folder):
+def tables_of_motions():
     for packing, mode in (("S", 200), ("P", 45)):
         for name, more in (("own", ()), ("si", ("--units=si",))):
-            sonopack("modes", f"{packing}.h5", f"--mode={mode}", f"--vectors={name}.tsv", "-q", "--force", *more, cwd=folder)
-        assert compare(*(Table((folder / f"{name}.tsv").read_text()) for name in ("own", "si"))) > 4
+            run("modes", f"{packing}.h5", f"--mode={mode}", f"--vectors={name}.tsv", "-q", "--force", *more)
+        assert compare(*(Table(pathlib.Path(f"{name}.tsv").read_text()) for name in ("own", "si"))) > 4
 
 
-def check_study(folder):
-    (folder / "study.cfg").write_text(GROUP + STUDY)
-    sonopack("study", "study.cfg", "--store=store", "--jobs=2", "-q", cwd=folder)
-    check_command(folder, "study", "study.cfg", "--store=store")
+def study():
+    pathlib.Path("study.cfg").write_text(GROUP + STUDY)
+    run("study", "study.cfg", "--store=store", "--jobs=2", "-q")
+    check_command("study", "study.cfg", "--store=store")
     for name in "ctof scaling planes statics moduli probes spectrum ensemble signal".split():
         for scene in ([], ["study.cfg"]):
             one = ["--pressure=75 MPa", "--grains=66"] if name in ("signal", "spectrum") and not scene else []
-            check_command(folder, "table", name, "--store=store", *scene, *one)
+            check_command("table", name, "--store=store", *scene, *one)
     # the material of the store is that of its samples, and --material replaces it
-    one = Table(sonopack("table", "ctof", "--store=store", "--units=si", cwd=folder).stdout)
-    two = Table(sonopack("table", "ctof", "--store=store", "--units=si", "--material=E=70e9,nu=0.22,rho=2500,d=2mm", cwd=folder).stdout)
+    one, two = (table("table", "ctof", "--store=store", "--units=si", *more) for more in (
+        (), ("--material=E=70e9,nu=0.22,rho=2500,d=2mm",)))
     assert one.rows == two.rows and one.comments != two.comments, "speeds do not depend on d, times and lengths do"
 
 
-def check_sources():
+def sources():
     """Every unit that the sources name is one of those above, or of stored files and scenes (tests/unit/test_units.c)."""
     elsewhere = {"rho", "E* d", "rho d", "rho d^3", "rho d^5", "d / sqrt(E* / rho)", "sqrt(E* / rho) / d"}
     found = set()
@@ -219,15 +192,4 @@ def check_sources():
     assert len(found) > 12 and found <= FACTORS.keys() | elsewhere, found - FACTORS.keys() - elsewhere
 
 
-def main():
-    check_sources()
-    with tempfile.TemporaryDirectory(prefix="sonopack-units-") as name:
-        folder = pathlib.Path(name)
-        check_commands(folder)
-        check_tables_of_motions(folder)
-        check_study(folder)
-    print("all numbers are converted")
-
-
-if __name__ == "__main__":
-    main()
+main(sources, commands, tables_of_motions, study)

@@ -3,33 +3,12 @@ numbers whatever is asked for.
 
 usage: test_zero_modes.py COMMAND SOURCE_DIR
 """
-import pathlib
-import subprocess
-import sys
-import tempfile
-
 import h5py
 import numpy as np
 
-from common import names_all
+from command import SOURCE, main, pack, refused, table
 
-COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
 KEYS = ("rattler_modes", "free_spins", "rigid_motions", "mechanisms")
-
-
-def run(*args, status=0):
-    done = subprocess.run([COMMAND, *map(str, args)], capture_output=True, text=True)
-    assert done.returncode == status, (args, done.returncode, done.stderr)
-    return done
-
-
-def table(*args):
-    """Comments, and columns as arrays."""
-    lines = run(*args).stdout.splitlines()
-    comments = dict(line[2:].split(" = ", 1) for line in lines if line.startswith("# ") and " = " in line)
-    rows = [line.split("\t") for line in lines if not line.startswith("#")]
-    body = np.array(rows[1:], float).reshape(-1, len(rows[0]))
-    return comments, {name: body[:, c] for c, name in enumerate(rows[0])}
 
 
 class Contacts:
@@ -151,45 +130,33 @@ class Contacts:
 def check(path, label):
     expected = Contacts(path).numbers()
     total = sum(expected.values())
-    comments, everything = table("modes", path)
-    omega = everything["omega"]
-    found = {key: int(comments[key]) for key in KEYS}
-    assert found == expected, (label, found, expected)
-    assert np.count_nonzero(omega == 0) == total and np.all(omega[total:] > float(comments["zero_below"]))
+    whole = table("modes", path)
+    omega = whole["omega"]
+    assert {key: int(whole.notes[key]) for key in KEYS} == expected, (label, whole.notes, expected)
+    assert np.count_nonzero(omega == 0) == total and np.all(omega[total:] > whole.note("zero_below"))
     left = len(omega) - total
-    few = min(left, 7)
-    low, high = 0.4 * omega[-1], 0.45 * omega[-1]
-    kinds = [("modes", path, "--frequencies-only"), ("modes", path, "--lowest", few),
-             ("modes", path, "--lowest", few, "--frequencies-only"), ("modes", path, "--lowest", few, "--zero"),
-             ("modes", path, "--band", f"{low}:{high}", "--frequencies-only"), ("modes", path, "--band", f"0:{low}"),
-             ("spectrum", "dos", path, "--method", "exact"), ("spectrum", "dos", path, "--method", "count", "--bins", 3),
-             ("spectrum", "participation", path)]
-    for words in kinds:
-        comments, part = table(*words)
-        assert {key: int(comments[key]) for key in KEYS} == expected, (label, words)
-        assert int(comments["zero_modes"]) == total
-        if "--lowest" in words:
-            first = 0 if "--zero" in words else total
-            assert np.array_equal(part["n"], np.arange(first, total + few)), (label, words)
-            assert np.all(np.abs(part["omega"] - omega[first:total + few]) <= 1e-9 * omega[-1])
-            assert np.count_nonzero(part["omega"] == 0) == total - first
-        elif words[0] == "modes" and "--band" in words:
-            inside = np.flatnonzero((omega >= (0 if f"0:{low}" in words else low))
-                                    & (omega <= (low if f"0:{low}" in words else high)))
-            assert np.array_equal(part["n"], inside), (label, words)
-    comments, _ = table("spectrum", "dos", path, "--method", "kpm", "--bins", 3, "--vectors", 2)
-    assert all(int(comments[key]) == expected[key] for key in KEYS[:3]) and "zero_modes" not in comments
+    few, low = min(left, 7), 0.4 * float(omega[-1])
+    for words, rows in (("modes {} --frequencies-only", range(len(omega))),
+                        (f"modes {{}} --lowest {few}", range(total, total + few)),
+                        (f"modes {{}} --lowest {few} --zero", range(total + few)),
+                        (f"modes {{}} --band 0:{low!r}", np.flatnonzero(omega <= low)),
+                        ("spectrum dos {} --method exact", None), ("spectrum dos {} --method count --bins 3", None),
+                        ("spectrum participation {}", None)):
+        part = table(*words.format(path).split())
+        assert {key: int(part.notes[key]) for key in KEYS} == expected, (label, words)
+        assert int(part.notes["zero_modes"]) == total
+        if rows is not None:
+            assert np.array_equal(part["n"], rows), (label, words)
+            assert np.all(np.abs(part["omega"] - omega[rows]) <= 1e-9 * omega[-1]), (label, words)
     # the sum over all that vibrate is the whole signal, and a partial sum has an error that holds
     window = ("--until", 20, "--points", 40)
-    _, whole = table("signal", path, *window)
+    exact = table("signal", path, *window)["F"]
     for modes in (left, max(1, left // 10)):
-        comments, some = table("signal", path, "--method", "sparse", "--modes", modes, *window)
-        off, size = np.abs(some["F"] - whole["F"]).max(), np.abs(whole["F"]).max()
-        assert int(comments["modes"]) == modes and off <= float(comments["error"]) + 1e-9 * size + 1e-12, (label, modes, off)
-        assert modes < left or float(comments["error"]) < 1e-9, (label, comments["error"])
-    # as many as there are, and one more
-    run("modes", path, "--lowest", left, "--frequencies-only")
-    assert names_all(run("modes", path, "--lowest", left + 1, status=2).stderr, f"{left + 1} {left}"), label
+        some = table("signal", path, "--method", "sparse", "--modes", modes, *window)
+        off, size = np.abs(some["F"] - exact).max(), np.abs(exact).max()
+        assert int(some.notes["modes"]) == modes and off <= some.note("error") + 1e-9 * size + 1e-12, (label, modes, off)
+        assert modes < left or some.note("error") < 1e-9, label
+    refused(f"{left + 1} {left}", "modes", path, "--lowest", left + 1)
     print(label, expected, f"and {left} others")
     return expected
 
@@ -201,36 +168,27 @@ def lame(path, share, rng):
         force[:] = np.where(rng.uniform(size=force.shape) < share, 0, force[:])
 
 
-def packings(folder, rng):
-    seen = dict.fromkeys(KEYS, 0)
-    scenes = [("2D", 2, 0.5, 90, 12), ("2D without friction", 2, 0, 110, 10), ("2D, large", 2, 0.5, 170, 13),
-              ("3D", 3, 0.5, 70, 4), ("3D, large", 3, 0.5, 100, 4.5), ("3D without friction", 3, 0, 120, 4.5)]
-    for label, dim, friction, grains, width in scenes:
+def packings():
+    seed, seen = 7, dict.fromkeys(KEYS, 0)
+    print("seed", seed)
+    rng = np.random.default_rng(seed)
+    for dim, friction, grains, width in ((2, 0.5, 170, 13), (2, 0, 110, 10), (3, 0.5, 70, 4), (3, 0, 120, 4.5)):
         for share in (0, 0.1, 0.5):
-            path = folder / f"{label}-{share}.h5"
-            run("pack", SOURCE / "packings" / ("spheres.cfg" if dim == 3 else "single.cfg"), "-q", "-o", path, "--set",
-                f"packing.friction={friction}", "--set", f"packing.grains={grains}", "--set", f"packing.width={width}")
+            label = f"{dim}D, friction {friction}, {share} of the contacts gone:"
+            path = pack("packing.h5", SOURCE / "packings" / ("spheres.cfg" if dim == 3 else "single.cfg"), friction=friction,
+                        grains=grains, width=width)
             lame(path, share, rng)
             if not {-1, -2} <= set(Contacts(path).pairs[:, 1]):
-                print(label, share, "does not carry from wall to wall")
+                print(label, "does not carry from wall to wall")
                 continue
-            for key, number in check(path, f"{label}, {share} of the contacts gone:").items():
+            for key, number in check(path, label).items():
                 seen[key] += number
     assert all(seen.values()), seen
 
 
-def lattices(folder):
-    for name, settings in (("chain", ("packing.kind=\"chain\"", "packing.dimension=1", "packing.grains=30")),
-                           ("triangular", ("packing.kind=\"triangular\"", "packing.grains=100", "packing.width=10")),
-                           ("smooth triangular", ("packing.kind=\"triangular\"", "packing.grains=240",
-                                                  "packing.width=12", "packing.friction=0"))):
-        path = folder / f"{name}.h5"
-        run("pack", SOURCE / "packings" / "single.cfg", "-q", "-o", path, *(w for s in settings for w in ("--set", s)))
-        check(path, f"{name}:")
+def lattices():
+    for keys in ({"kind": "chain", "grains": 30}, {"kind": "triangular", "grains": 240, "width": 12, "friction": 0}):
+        check(pack("lattice.h5", **keys), f"{keys}:")
 
 
-with tempfile.TemporaryDirectory(prefix="sonopack-zero-") as name:
-    SEED = 7
-    print("seed", SEED)
-    packings(pathlib.Path(name), np.random.default_rng(SEED))
-    lattices(pathlib.Path(name))
+main(packings, lattices)

@@ -5,7 +5,6 @@
 /* after cells.h, whose lattices have a number of cells */
 #include "base/base.h"
 #include "packing/dynamics.h"
-#include "packing/neighbours.h"
 #include "packing/prepare.h"
 
 #include <float.h>

@@ -2,7 +2,6 @@
 #include "test.h"
 
 #include "base/base.h"
-#include "base/hash.h"
 
 TEST(grows) {
     size_t capacity = 0;

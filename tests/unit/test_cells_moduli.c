@@ -1,18 +1,15 @@
 /* Moduli of cells without a piston: the whole tensor against closed forms and against energies of strained cells. */
 #include "cells.h"
 #include "elastic/strain.h"
+#include "reference.h"
 
 #include <sonopack/elastic.h>
 
 static const double tilted[3] = {0.3, -0.2, 0.4};
 
+/* Threshold 0: a contact that carries little may still be stiff. */
 static sp_network network_of(const sp_packing *p, bool prestress) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.prestress = prestress;
-    o.threshold = 0; /* a contact that carries little may still be stiff */
-    assert_ok(sp_network_make(p, &o, &net, &err));
-    return net;
+    return network_by(p, (sp_network_options){.prestress = prestress});
 }
 
 static sp_elasticity elasticity_of(const sp_packing *p, bool prestress) {

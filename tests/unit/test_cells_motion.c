@@ -1,15 +1,13 @@
 /* The motion of grains in cells that are periodic along all axes, tilted too, or have walls on all sides: forces
- * against brute force over all images, the kernel against the plain path, what mechanics conserves, and the stress
- * against the derivative of the elastic energy. */
+ * against brute force over all images, and the stress against the derivative of the elastic energy. What mechanics
+ * conserves, and the kernel against the plain path, are in tests/properties. */
 #include "test.h"
 
 #include "base/base.h"
 #include "base/pool.h"
 #include "packing/contact.h"
-#include "packing/deform.h"
 #include "packing/dynamics.h"
 #include "packing/geometry.h"
-#include "packing/neighbours.h"
 #include "packing/prepare.h"
 
 typedef struct scene {
@@ -171,64 +169,6 @@ TEST(test_translation) {
         }
         sp_dynamics_free(&there);
         sp_dynamics_free(&here);
-    }
-}
-
-/* Newton's third law, with friction and viscosity: without walls the forces sum to 0, with walls to what these give. */
-TEST(test_momentum) {
-    for (int k = 0; k < SCENES; k++) {
-        dynamics d = make(&scenes[k], false, nowhere);
-        double sum[3] = {0, 0, 0}, scale = 0;
-        stir(&d);
-        sp_dynamics_forces(&d, 0.5);
-        for (int32_t i = 0; i < d.n; i++) {
-            double force[3], turn[3];
-            sp_dynamics_force_on(&d, i, force, turn);
-            for (int a = 0; a < d.dim; a++) {
-                sum[a] += force[a];
-                scale += fabs(force[a]);
-            }
-        }
-        for (int side = 0; side < d.walls; side++)
-            for (int32_t q = 0; q < d.wall[side].n; q++)
-                for (int a = 0; a < d.dim; a++)
-                    sum[a] -= d.rows.row[d.at.row * (d.rows.wall[side] + q) + a];
-        assert_true(scale > 0.01);
-        for (int a = 0; a < d.dim; a++)
-            assert_close(sum[a], 0, 1e-14 * scale);
-        sp_dynamics_free(&d);
-    }
-}
-
-TEST(test_kernel_equals_plain) {
-    for (int k = 0; k < SCENES; k++) {
-        dynamics d[2] = {make(&scenes[k], false, nowhere), make(&scenes[k], true, nowhere)};
-        for (int step = 0; step < 3; step++) { /* the later ones have tangential forces, and another cell */
-            for (int plain = 0; plain < 2; plain++) {
-                if (step == 0)
-                    stir(&d[plain]);
-                assert_ok(sp_neighbours_refresh(&d[plain], &err));
-                sp_dynamics_forces(&d[plain], 0.3);
-            }
-            for (int32_t i = 0; i < d[0].n; i++) {
-                double f[2][3], t[2][3];
-                for (int plain = 0; plain < 2; plain++)
-                    sp_dynamics_force_on(&d[plain], i, f[plain], t[plain]);
-                for (int a = 0; a < 3; a++) {
-                    assert_close(f[0][a], f[1][a], 1e-13);
-                    assert_close(t[0][a], t[1][a], 1e-13);
-                }
-            }
-            for (int side = 0; side < d[0].walls; side++)
-                assert_relative(d[0].wall_force[side], d[1].wall_force[side], 1e-13);
-            sp_dynamics_advance(&d[0], 0.3);
-            sp_dynamics_advance(&d[1], 0.3);
-            for (int32_t i = 0; i < d[0].n; i++)
-                for (int a = 0; a < d[0].at.stride; a++)
-                    assert_close(dynamics_grain(&d[0], i)[a], dynamics_grain(&d[1], i)[a], 1e-12);
-        }
-        sp_dynamics_free(&d[1]);
-        sp_dynamics_free(&d[0]);
     }
 }
 

@@ -2,6 +2,7 @@
 #include "base/vector.h"
 #include "cells.h"
 #include "network/network_cell.h"
+#include "reference.h"
 
 #include <sonopack/coherent.h>
 #include <sonopack/signal.h>
@@ -10,12 +11,7 @@
 static const double PI = 3.14159265358979323846, tilted[3] = {0.3, -0.2, 0.4};
 
 static sp_network network_of(const sp_packing *p, bool prestress) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.threshold = 0;
-    o.prestress = prestress;
-    assert_ok(sp_network_make(p, &o, &net, &err));
-    return net;
+    return network_by(p, (sp_network_options){.prestress = prestress});
 }
 
 /* ---- dispersion ------------------------------------------------------------------------------------------------- */

@@ -2,7 +2,7 @@
  * balls in the general network, and in the limit of an infinite length. */
 #include "base/base.h"
 #include "extended.h"
-#include "numeric/airy.h"
+#include "numeric/bessel.h"
 #include "reference.h"
 
 #include <float.h>

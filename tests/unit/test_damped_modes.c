@@ -1,6 +1,6 @@
 /* Complex modes: closed forms, invariants of the matrices, and their sum against the damped signal. */
 #include "base/base.h"
-#include "linalg/general.h"
+#include "linalg/eigen.h"
 #include "reference.h"
 
 #include <sonopack/modes.h>

@@ -1,6 +1,6 @@
 #include "base/base.h"
-#include "numeric/fit.h"
 #include "numeric/random.h"
+#include "numeric/statistics.h"
 #include "test.h"
 
 #include <sonopack/front.h>

@@ -5,9 +5,8 @@
 #include "base/pool.h"
 #include "packing/contact.h"
 #include "packing/dynamics.h"
-#include "packing/neighbours.h"
+#include "packing/kernel.h"
 #include "packing/prepare.h"
-#include "packing/roots.h"
 
 typedef struct dense {
     int dim;

@@ -1,7 +1,7 @@
 /* Keys: the key at fault in an error, and the tables that say which values a key may have. */
 #include "test.h"
 
-#include "packing/keys.h"
+#include "packing/prepare.h"
 #include "scene/field.h"
 
 #include "base/base.h"

@@ -4,7 +4,6 @@
 
 #include "packing/dynamics.h"
 #include "packing/inertia.h"
-#include "packing/neighbours.h"
 #include "packing/prepare.h"
 
 static const double OVERLAP = 0.01, DRAG = 0.1, DT = 0.01;

@@ -6,12 +6,7 @@
 #include <sonopack/network.h>
 
 static sp_network network_of(const sp_packing *p, bool prestress, bool sliding_free) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.prestress = prestress;
-    o.sliding_free = sliding_free;
-    assert_ok(sp_network_make(p, &o, &net, &err));
-    return net;
+    return network_with(p, .prestress = prestress, .sliding_free = sliding_free);
 }
 
 static double *random_vector(int64_t n) {
@@ -111,67 +106,6 @@ TEST(test_sliding) {
     sp_packing_free(&p);
 }
 
-/* The force on the grains of a network moved by u, from Hertz's law at displaced centres; walls flat. */
-static void hertz_force(const sp_packing *p, const sp_network *net, const double *u, double h, double *f) {
-    const int dim = net->dim, up = dim - 1;
-    memset(f, 0, (size_t)sp_network_dofs(net) * sizeof *f);
-    for (int k = 0; k < net->n_springs; k++) {
-        const sp_spring *s = &net->springs[k];
-        const double length = net->length[k],
-                     e = s->j < 0 ? contact_wall_stiffness(s->ri, p->wall) : contact_stiffness(s->ri, s->rj);
-        double d[3], r = 0;
-        for (int a = 0; a < dim; a++) {
-            d[a] = length * s->n[a] - h * u[s->i * dim + a] + (s->j < 0 ? 0 : h * u[s->j * dim + a]);
-            if (s->j < 0 && a != up) /* a flat wall is felt along its normal alone */
-                d[a] = 0;
-            r += d[a] * d[a];
-        }
-        r = sqrt(r);
-        const double force = contact_force(e, s->ri + s->rj - r);
-        for (int a = 0; a < dim; a++) {
-            f[s->i * dim + a] -= force * d[a] / r;
-            if (s->j >= 0)
-                f[s->j * dim + a] += force * d[a] / r;
-        }
-    }
-}
-
-static double jacobian_error(const sp_packing *p, const sp_network *net, const double *u, double h) {
-    const size_t n = (size_t)sp_network_dofs(net);
-    double *f = calloc(3 * n, sizeof *f), worst = 0, largest = 0;
-    hertz_force(p, net, u, h, f);
-    hertz_force(p, net, u, -h, f + n);
-    sp_network_apply(net, u, f + 2 * n);
-    for (size_t k = 0; k < n; k++) {
-        worst = fmax(worst, fabs((f[k] - f[n + k]) / (2 * h) + f[2 * n + k]));
-        largest = fmax(largest, fabs(f[2 * n + k]));
-    }
-    free(f);
-    return worst / largest;
-}
-
-/* Without tangential springs K, prestress included, is the Jacobian of the forces: the error of a central difference
- * falls as h^2. */
-TEST(test_jacobian) {
-    srand(11);
-    for (int dim = 1; dim <= 3; dim++) {
-        sp_packing p = dim == 1 ? chain_packing(20, 1e-3) : scattered_packing(dim, dim == 2 ? 6 : 4, 0, 5);
-        sp_network net = network_of(&p, true, false);
-        double *u = random_vector(sp_network_dofs(&net));
-        const double h = 2e-4, e1 = jacobian_error(&p, &net, u, h), e2 = jacobian_error(&p, &net, u, h / 2);
-        const double slope = log2(e1 / e2);
-        assert_true(e1 < 1e-3);
-        assert_close(slope, 2, 0.1);
-        sp_network plain = network_of(&p, false, false); /* which can tell whether the prestress is there */
-        if (dim > 1)
-            assert_true(jacobian_error(&p, &plain, u, h / 2) > 10 * e1);
-        sp_network_free(&plain);
-        free(u);
-        sp_network_free(&net);
-        sp_packing_free(&p);
-    }
-}
-
 /* Tangential springs feel the velocity of the contact points: u + theta x arm on either side. */
 TEST(test_tangential) {
     srand(12);
@@ -208,8 +142,7 @@ TEST(test_tangential) {
     }
 }
 
-/* The assembled matrix, the kernel for one vector and for two, and the energy are the same K; it is symmetric by its
- * storage and positive semidefinite without prestress. */
+/* The assembled matrix, the kernel for one vector and for two, and the energy are the same K. */
 TEST(test_assembled) {
     srand(13);
     for (int shape = 0; shape < SHAPES; shape++)
@@ -219,7 +152,7 @@ TEST(test_assembled) {
                 memset(p.contacts[c].ft, 0, sizeof p.contacts[c].ft);
             sp_network net = network_of(&p, prestress, false);
             const int64_t n = sp_network_dofs(&net);
-            double *u = random_vector(2 * n), *v = random_vector(2 * n), *pair = calloc(4 * (size_t)n, sizeof *pair);
+            double *u = random_vector(2 * n), *v = random_vector(2 * n);
             double *one = calloc(3 * (size_t)n, sizeof *one), *two = one + n, *whole = one + 2 * n;
             sp_sparse k;
             /* aligned as vectors of two */
@@ -245,23 +178,17 @@ TEST(test_assembled) {
             sp_network_apply(&net, u, one);
             sp_network_apply(&net, v, two);
             sp_network_add_pair(&net, in, out);
-            double uku = 0, vku = 0, ukv = 0;
+            double uku = 0;
             for (int64_t q = 0; q < n; q++) {
                 assert_close(one[q], whole[q], 20 * DBL_EPSILON * largest);
                 assert_close(out[2 * q] - 1, one[q], 40 * DBL_EPSILON * fmax(1, largest));
                 assert_close(out[2 * q + 1], two[q], 20 * DBL_EPSILON * largest);
                 uku += u[q] * one[q];
-                vku += v[q] * one[q];
-                ukv += u[q] * two[q];
             }
             assert_relative(sp_network_energy2(&net, u), uku, 1e-13);
-            assert_close(vku, ukv, 1e-13 * fabs(uku)); /* symmetric */
-            if (!prestress)
-                assert_true(uku > 0);
             sp_sparse_free(&k);
             sp_free(in);
             sp_free(out);
-            free(pair);
             free(one);
             free(u);
             free(v);
@@ -393,25 +320,13 @@ TEST(test_refusals) {
 
 TEST(test_no_memory) {
     sp_packing p = scattered_packing(2, 5, 0.5, 1);
-    sp_network_options o = sp_network_options_default();
-    int k = 0;
-    for (;; k++) {
-        sp_network net = sp_network_none();
-        sp_sparse a = {0};
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        sp_status status = sp_network_make(&p, &o, &net, &err);
-        if (status == SP_OK)
-            status = sp_network_assemble(&net, &a, &err);
-        sp_alloc_fail_after(-1);
-        sp_sparse_free(&a);
-        sp_network_free(&net);
-        if (status == SP_OK)
-            break;
-        assert_int_equal(status, SP_ENOMEM);
-        assert_int_equal(err.status, SP_ENOMEM);
-    }
-    assert_true(k > 15);
+    const sp_network_options o = sp_network_options_default();
+    sp_network net = sp_network_none();
+    sp_sparse a = {0};
+    EACH_ALLOCATION_FAILS(10, sp_network_make(&p, &o, &net, &err), assert_true(!lacks || !net.springs));
+    EACH_ALLOCATION_FAILS(4, sp_network_assemble(&net, &a, &err), assert_true(!lacks || !a.x));
+    sp_sparse_free(&a);
+    sp_network_free(&net);
     sp_packing_free(&p);
 }
 

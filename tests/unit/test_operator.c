@@ -13,13 +13,7 @@ typedef struct kind {
     int least, most; /* blocks */
 } kind;
 
-static sp_network network_of(const kind *k) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.prestress = k->prestress;
-    assert_ok(sp_network_make(&k->p, &o, &net, &err));
-    return net;
-}
+static sp_network network_of(const kind *k) { return network_with(&k->p, .prestress = k->prestress); }
 
 /* Rows are a permutation of the grains, blocks and chunks follow each other, and blocks beside each other say so
  * mutually. */

@@ -5,11 +5,7 @@
 #include <sonopack/signal.h>
 
 static sp_network network_of(sp_packing *p, bool prestress) {
-    sp_network net = sp_network_none();
-    sp_network_options o = sp_network_options_default();
-    o.threshold = 0;
-    o.prestress = prestress;
-    assert_ok(sp_network_make(p, &o, &net, &err));
+    sp_network net = network_by(p, (sp_network_options){.prestress = prestress});
     sp_packing_free(p);
     return net;
 }
@@ -164,41 +160,6 @@ TEST(wrong_places) {
     free(out);
     sp_network_free(&net);
     sp_network_free(&row);
-}
-
-/* Signals are linear in source and detector: those of the parts add up, whatever the method. */
-TEST(signals_add_up) {
-    const sp_signal_method methods[] = {SP_SIGNAL_CHEBYSHEV, SP_SIGNAL_DENSE};
-    sp_packing p = scattered_packing(2, 6, 0.5, 19);
-    sp_network net = network_of(&p, false);
-    const double cut = 0.5 * net.box[0];
-    const sp_place places[] = {{SP_PLACE_WALL, false, 0, 0, 0, 0},
-                               {SP_PLACE_PART, false, 0, cut, 0, 0},
-                               {SP_PLACE_PART, false, cut, net.box[0], 0, 0}};
-    for (int q = 0; q < 2; q++) {
-        sp_signal s = sp_signal_none();
-        sp_signal_options o = sp_signal_options_default();
-        o.method = methods[q];
-        o.until = 60;
-        o.points = 61;
-        o.sources = o.detectors = 3;
-        o.from = o.to = places;
-        assert_ok(sp_signal_make(&net, &o, &s, &err));
-        assert_int_equal(s.sources, 3);
-        assert_int_equal(s.detectors, 3);
-        double peak = 0, off = 0;
-        const double *f[3][3];
-        for (int a = 0; a < 9; a++)
-            f[a / 3][a % 3] = s.f + (int64_t)a * s.n;
-        for (int l = 0; l < s.n; l++) {
-            peak = fmax(peak, fabs(f[0][0][l]));
-            off = fmax(off, fabs(f[1][1][l] + f[1][2][l] + f[2][1][l] + f[2][2][l] - f[0][0][l]));
-            off = fmax(off, fabs(f[1][0][l] + f[2][0][l] - f[0][0][l]));
-        }
-        assert_true(off < 1e-12 * peak);
-        sp_signal_free(&s);
-    }
-    sp_network_free(&net);
 }
 
 RUN_TESTS(NULL, NULL)

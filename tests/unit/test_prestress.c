@@ -2,9 +2,8 @@
 #include "carried.h"
 
 #include "network/apply.h"
-#include "network/largest.h"
+#include "network/bound.h"
 #include "packing/dynamics.h"
-#include "packing/neighbours.h"
 #include "packing/prepare.h"
 #include "packing/vibrate.h"
 

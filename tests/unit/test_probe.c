@@ -208,17 +208,7 @@ TEST(test_refusals) {
     const sp_probe both[] = {{SP_PROBE_LINES, 1}, {SP_PROBE_SINE, 2}};
     assert_ok(sp_moduli_probe(&net, NAN, 1, both, NULL, out, &err)); /* lines need no density */
     assert_ok(sp_moduli_probe(&net, NAN, 0, NULL, &m, NULL, &err));
-    for (int k = 0;; k++) {
-        sp_error error = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_moduli_probe(&net, 0.5, 2, both, &m, out, &error);
-        sp_alloc_fail_after(-1);
-        if (status == SP_OK) {
-            assert_true(k > 15);
-            break;
-        }
-        assert_int_equal(status, SP_ENOMEM);
-    }
+    EACH_ALLOCATION_FAILS(15, sp_moduli_probe(&net, 0.5, 2, both, &m, out, &err), (void)0);
     sp_network_free(&net);
     sp_packing_free(&p);
 }

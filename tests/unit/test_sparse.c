@@ -1,16 +1,13 @@
 /* Parts of spectra by the sparse solver, against all modes by the dense one. */
 #include "base/base.h"
-#include "modes/pieces.h"
+#include "modes/slices.h"
 #include "reference.h"
 
 #include <float.h>
 #include <sonopack/modes.h>
 
 static sp_network network_of(sp_packing p, bool prestress) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.prestress = prestress;
-    assert_ok(sp_network_make(&p, &o, &net, &err));
+    sp_network net = network_with(&p, .prestress = prestress);
     sp_packing_free(&p);
     return net;
 }
@@ -353,16 +350,6 @@ TEST(test_pieces) {
         /* springs and masses of a packing are equal to some roundings, which move a frequency by as many */
         assert_close(m[0].omega[n - 1], exact, m[0].error[n - 1] + 1e-14 * exact);
         assert_true(m[0].error[n - 1] < 1e-9 * exact);
-    }
-    for (int k = 0; k < 12; k++) {
-        const sp_modes_options how = {.vectors = false, .threads = 2};
-        sp_modes none = sp_modes_none();
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_modes_in_pieces(&net, &how, &none, &err);
-        sp_alloc_fail_after(-1);
-        assert_int_equal(status, SP_ENOMEM);
-        assert_null(none.omega);
     }
     for (int q = 0; q < 2; q++)
         sp_modes_free(&m[q]);

@@ -3,7 +3,7 @@
 #include "making.h"
 
 #include "linalg/discs.h"
-#include "linalg/general.h"
+#include "linalg/eigen.h"
 
 #include <sonopack/modes.h>
 

@@ -4,22 +4,17 @@
 
 enum { N = 20, TRIALS = 800 };
 
-static double gauss(sp_random *r) {
-    const double radius = sqrt(-2 * log1p(-sp_random_uniform(r)));
-    return radius * cos(6.283185307179586 * sp_random_uniform(r));
-}
-
 /* Arrivals at heights near 8 and 25 with the speed 0.3: heights scatter, sources do, and the way on top of it. Joint
  * ones share the source's scatter, and every fifth lacks one of the marks. */
 static void make_up(sp_random *r, bool joint, double distance[2][N], double time[2][N]) {
     for (int k = 0; k < N; k++) {
         double source = 0;
         for (int g = 0; g < 2; g++) {
-            const double height = (g ? 25 : 8) + (joint ? 0 : 0.4 * gauss(r));
+            const double height = (g ? 25 : 8) + (joint ? 0 : 0.4 * sp_random_normal(r));
             if (g == 0 || !joint)
                 source = 5 - 3 * log1p(-sp_random_uniform(r)); /* skewed */
             distance[g][k] = height;
-            time[g][k] = source + height / 0.3 + gauss(r);
+            time[g][k] = source + height / 0.3 + sp_random_normal(r);
         }
         if (joint && k % 5 == 4)
             time[k % 2][k] = NAN;

@@ -285,15 +285,6 @@ static void threads_share_a_network(void **state) {
     sp_packing_free(&p);
 }
 
-/* Jobs differ from each other: else equal bytes would say nothing. */
-static void jobs_differ(void **state) {
-    (void)state;
-    for (int job = 1; job < JOBS; job++) {
-        const sp_pack_spec one = spec_of(job - 1), other = spec_of(job);
-        assert_true(one.seed != other.seed && one.grains != other.grains);
-    }
-}
-
 /* As a host that has threads of its own does: OpenBLAS's would wait for each other (the test takes six times as long),
  * and how many they are decides the last bits of sums. */
 static void use_one_blas_thread(void) {
@@ -304,7 +295,6 @@ static void use_one_blas_thread(void) {
 int main(void) {
     use_one_blas_thread();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(jobs_differ),
         cmocka_unit_test(threads_make_what_one_makes),
         cmocka_unit_test(threads_share_a_network),
     };

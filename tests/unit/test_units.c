@@ -2,7 +2,6 @@
 #include "test.h"
 
 #include "base/base.h"
-#include "units/unit.h"
 
 #include <sonopack/units.h>
 

@@ -74,13 +74,7 @@ static sp_packing packed(int dim, double pressure, uint64_t seed) {
     return p;
 }
 
-static sp_network usual_network(const sp_packing *p) {
-    sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    o.prestress = true;
-    assert_ok(sp_network_make(p, &o, &net, &err));
-    return net;
-}
+static sp_network usual_network(const sp_packing *p) { return network_with(p, .prestress = true); }
 
 /* Both sources, one pair and several, whichever of the two is carried, and the field of displacements: each within its
  * error, which is small. */
@@ -174,36 +168,17 @@ TEST(test_refusals) {
 TEST(test_no_memory) {
     sp_packing p = packed(2, 1e-4, 6);
     sp_network net = usual_network(&p);
-    const sp_place wall = sp_place_wall();
-    int failures = 0;
-    for (int what = 0; what < 4; what++) {
-        sp_status status = SP_ENOMEM;
-        for (int k = 0; status != SP_OK; k++) {
-            sp_network other = sp_network_none();
-            sp_signal s = sp_signal_none();
-            sp_signal_options o = sp_signal_options_default();
-            sp_network_options n = sp_network_options_default();
-            sp_moduli m;
-            sp_stability verdict;
-            sp_error reason = {0};
-            o.until = 5;
-            o.from = o.to = &wall;
-            n.prestress = true;
-            sp_alloc_fail_after(k);
-            switch (what) {
-            case 0: status = sp_network_make(&p, &n, &other, &reason); break;
-            case 1: status = sp_signal_make(&net, &o, &s, &reason); break;
-            case 2: status = sp_moduli_make(&net, 0.5, &m, &reason); break;
-            default: status = sp_stability_make(&p, &net, &verdict, &reason); break;
-            }
-            sp_alloc_fail_after(-1);
-            assert_true(status == SP_OK || status == SP_ENOMEM);
-            failures += status != SP_OK;
-            sp_network_free(&other);
-            sp_signal_free(&s);
-        }
-    }
-    assert_true(failures > 40);
+    sp_network other = sp_network_none();
+    sp_signal s = sp_signal_none();
+    sp_signal_options o = sp_signal_options_default();
+    sp_moduli m;
+    sp_stability verdict;
+    const sp_network_options n = {.threshold = 1e-4, .prestress = true};
+    o.until = 5;
+    EACH_ALLOCATION_FAILS(5, sp_network_make(&p, &n, &other, &err), sp_network_free(&other));
+    EACH_ALLOCATION_FAILS(5, sp_signal_make(&net, &o, &s, &err), sp_signal_free(&s));
+    EACH_ALLOCATION_FAILS(5, sp_moduli_make(&net, 0.5, &m, &err), (void)0);
+    EACH_ALLOCATION_FAILS(5, sp_stability_make(&p, &net, &verdict, &err), (void)0);
     sp_network_free(&net);
     sp_packing_free(&p);
 }

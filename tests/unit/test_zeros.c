@@ -1,6 +1,6 @@
 /* Zero modes told apart from each other and from soft modes. */
 #include "base/base.h"
-#include "modes/zeros.h"
+#include "modes/refine.h"
 #include "reference.h"
 
 #include <sonopack/modes.h>

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .._core import Floats, SonopackError, call, invalid, new, words
-from .._native import ffi, lib
+from .._core import Floats, SonopackError, invalid, words
 from .._network import Network
 from .._packing import Packing
 from .._records import Material
@@ -310,16 +309,3 @@ def network_with(packing: Packing, options: Any) -> Network:
     """The network of a packing with these sp_network_options."""
     return packing.network(threshold=options.threshold, prestress=options.prestress, sliding_free=options.sliding_free,
                            tangential=words("sp_springs")[options.tangential])
-
-
-def contact_histogram(make: Any, packings: Iterable[tuple[str, Packing]], threshold: float, margin: float) -> Table:
-    """The table that sp_contact_angles_table or sp_contact_values_table makes of the contacts of packings, which have names
-    for messages."""
-    counts, table = ffi.new("sp_contact_counts *"), new("sp_table", lib.sp_table_free, lib.sp_table_none)
-    for name, packing in packings:
-        try:
-            call(lib.sp_contact_counts_add, counts, packing._c, threshold, margin)
-        except SonopackError as fault:
-            raise refuse(name, str(fault)) from None
-    call(make, counts, table)
-    return Table(table)

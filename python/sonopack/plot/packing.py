@@ -2,7 +2,7 @@
 contacts: directions, normal forces and stiffnesses, as Figs. 2 and 1(c) of Somfai et al. 2005."""
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,14 +12,15 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, LogNorm, Normalize, to_rgb
 
 from .._core import Floats, invalid
-from .._native import lib
 from .._network import Network
 from .._packing import Packing
 from .._records import Material
 from .._scene import Scene
 from .._sensitivity import Gradient
+from .._table import Table
 from ._frame import WIDTH, dash, figure, ink, key, legend, panels
-from ._inputs import Input, contact_histogram, network_of
+from ._histograms import ContactCounts, contact_counts
+from ._inputs import Input, network_of
 from ._units import FORCE, PRESSURE, SPEED, TIME, label, number, refuse, to_si, unit_text
 from ._view import EARLIER, GRAIN, LATER, RATTLER, RIM, SIGNED, add_bar, finish, key_below, picture, views
 
@@ -248,11 +249,11 @@ CURVES = {"all": ("all contacts", 0, 1.6, 0), "strong": (r"strong: $F > \langle 
           "weak": (r"weak: $F \leq \langle F\rangle$", 1, 1.0, 1)}  # label, ink, width, dash
 
 
-def _counted(given: Sequence[Input], scene: Scene | None, make: Any) -> Input:
+def _counted(given: Sequence[Input], scene: Scene | None, make: Callable[[ContactCounts], Table]) -> Input:
     """The table that is given, or the counts of all packings."""
     if len(given) == 1 and not given[0].is_packing and not hasattr(given[0].source, "packing"):
         return given[0]
-    return Input(contact_histogram(make, ((one.name, packing_of(one)) for one in given), threshold_of(scene), BULK))
+    return Input(make(contact_counts(((one.name, packing_of(one)) for one in given), threshold_of(scene), BULK)))
 
 
 # ---- directions -----------------------------------------------------------------------------------------------------
@@ -262,7 +263,7 @@ def angles(given: Sequence[Input], *, ax: Any = None, scene: Scene | None = None
     """Directions of the contacts of packings, at least 3 d from the walls: all, strong and weak contacts. A circle of
     radius 1 is isotropic. In three dimensions angles are those above the horizontal. data: packings, or a table with
     the columns angle, all, strong, weak. ax: polar Axes."""
-    one = _counted(given, scene, lib.sp_contact_angles_table)
+    one = _counted(given, scene, ContactCounts.angles)
     angle, densities = _densities(one)
     quarter, merged = one.number("dimension") == 3, _merged(one, len(angle))
     if ax is None:
@@ -343,7 +344,7 @@ def _rings(ax: Any, largest: float, quarter: bool) -> None:
 def forces(given: Sequence[Input], *, ax: Any = None, scene: Scene | None = None) -> Axes:
     """Histograms of normal forces and stiffnesses, divided by their means, with standard errors over several packings.
     data: packings, or a table with the columns x, forces, stiffnesses."""
-    one = _counted(given, scene, lib.sp_contact_values_table)
+    one = _counted(given, scene, ContactCounts.values)
     hint = "a table of contact values has x, forces, stiffnesses"
     x, values = one.column("x", hint), [one.column(name, hint) for name in ("forces", "stiffnesses")]
     if len(x) < 2:

@@ -1,10 +1,11 @@
 /* sonopack chain: prints fronts, signals and modes of a chain of equal balls, in closed form. */
 #include "base/base.h"
-#include "cli/chain_localised.h"
+#include "cli/files.h"
 #include "packing/contact.h"
 
 #include <math.h>
 #include <sonopack/amplitude.h>
+#include <sonopack/transport.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -78,7 +79,7 @@ static const cli_option options[] = {
      .kinds = "localisation"},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_chain_syntax = {
     .usage = "KIND",
     .help =
         "The chain of N equal balls between two walls in closed form (Somfai et al. 2005, Section V A and Appendix "
@@ -94,73 +95,52 @@ static const cli_syntax syntax = {
         "packing.kind = chain, from an impulse (A) or a displacement (B).\n"
         "\n"
         "A solitary wave of Hertzian balls keeps its form without walls. Its peak is its largest additional overlap "
-        "over "
-        "the overlap delta0 at rest, force its largest force over that at rest, speed is in c, velocity the largest of "
-        "a "
-        "ball in c delta0/l, width the balls between the places of half the peak. kdv and kdv_width are those of long "
-        "and weak waves (Korteweg and de Vries), nesterenko is the speed of long waves of any strength. speed_at_peak "
-        "and velocity_at_peak are the same in units of a chain that rests with the overlap of the peak; with the peak "
-        "inf only these are finite.\n"
+        "over the overlap delta0 at rest, force its largest force over that at rest, speed is in c, velocity the "
+        "largest of a ball in c delta0/l, width the balls between the places of half the peak. kdv and kdv_width are "
+        "those of long and weak waves (Korteweg and de Vries), nesterenko is the speed of long waves of any strength. "
+        "speed_at_peak and velocity_at_peak are the same in units of a chain that rests with the overlap of the peak; "
+        "with the peak inf only these are finite.\n"
         "\n"
         "localisation: gamma with its standard error from 32 parts of the chain (of 10^6 balls without --grains), at "
-        "least 1/N, "
-        "length = 1/gamma, and law = omega^2 <dm^2>/(8 K <m>), which holds for low frequencies (Matsuda and Ishii "
-        "1970). If gamma is not above twice its error, length is nan and length_low is a lower bound.",
+        "least 1/N, length = 1/gamma, and law = omega^2 <dm^2>/(8 K <m>), which holds for low frequencies (Matsuda "
+        "and Ishii 1970). If gamma is not above twice its error, length is nan and length_low is a lower bound.",
     .options = options,
     .kinds = kinds,
     .kind_name = "kind of table",
     .check = check};
 
-/* ---- lengths ---------------------------------------------------------------------------------------------------- */
+/* ---- lengths ----------------------------------------------------------------------------------------------------- */
 
-/* Reads the integer up to a separator, and moves *text past the separator. */
-static sp_status next_length(const char **text, const char *separators, int64_t *out, sp_error *err) {
-    char word[64];
-    const size_t n = strcspn(*text, separators);
-    snprintf(word, sizeof word, "%.*s", (int)(n < 60 ? n : 60), *text);
-    const sp_status status = cli_integer("--grains", word, 1, GRAINS_MAX, out, err);
-    *text += n + ((*text)[n] != '\0');
-    return status;
-}
-
-/* Reads TO:FACTOR. */
-static sp_status read_range(const char *text, int64_t from, int *count, int64_t *length, sp_error *err) {
-    int64_t to;
-    double factor;
+/* Numbers of balls: N1,N2,... or FROM:TO:FACTOR. */
+static sp_status read_lengths(const char *text, int32_t *count, double *length, sp_error *err) {
+    char list[64];
+    double range[3] = {0};
+    int32_t n = 0;
     if (!strchr(text, ':'))
-        return sp_fail(err, SP_EINVAL, "--grains %lld:%.60s: must be FROM:TO:FACTOR", (long long)from, text);
-    sp_status status = next_length(&text, ":", &to, err);
-    if (status == SP_OK && to < from)
-        status = sp_fail(err, SP_EINVAL, "--grains: from %lld to %lld: TO must not be below FROM", (long long)from,
-                         (long long)to);
-    if (status == SP_OK)
-        status = cli_number("--grains, factor", text, 1.001, 1e9, &factor, err);
+        return cli_numbers("--grains", text, 1, GRAINS_MAX, LENGTHS_MAX, count, length, err);
+    snprintf(list, sizeof list, "%s", text);
+    for (char *colon = list; (colon = strchr(colon, ':')) != NULL;)
+        *colon = ',';
+    const sp_status status = cli_numbers("--grains", list, 1, 1e9, 3, &n, range, err);
     if (status != SP_OK)
         return status;
-    int64_t last = 0;
-    for (double n = (double)from; *count < LENGTHS_MAX && llround(n) <= to; n *= factor) {
-        if (llround(n) > last)
-            length[(*count)++] = llround(n);
-        last = llround(n);
+    if (n != 3 || range[1] < range[0] || range[1] > GRAINS_MAX || range[2] < 1.001)
+        return sp_fail(err, SP_EINVAL,
+                       "--grains %.60s: must be FROM:TO:FACTOR with FROM <= TO <= %d and a FACTOR of 1.001 or more",
+                       text, GRAINS_MAX);
+    for (double each = range[0], last = 0; *count < LENGTHS_MAX && round(each) <= range[1]; each *= range[2]) {
+        if (round(each) > last)
+            length[(*count)++] = round(each);
+        last = round(each);
     }
     return SP_OK;
 }
 
-static sp_status read_lengths(const char *text, int *count, int64_t *length, sp_error *err) {
-    *count = 0;
-    const bool colon = strchr(text, ':') != NULL;
-    const char *rest = text;
-    do {
-        if (*count == LENGTHS_MAX)
-            return sp_fail(err, SP_EINVAL, "--grains: more than %d lengths", LENGTHS_MAX);
-        const sp_status status = next_length(&rest, colon ? ":" : ",", &length[(*count)++], err);
-        if (status != SP_OK)
-            return status;
-        if (colon) {
-            *count = 0;
-            return read_range(rest, length[0], count, length, err);
-        }
-    } while (rest[-1] == ',');
+/* A number of balls must be whole. */
+static sp_status check_lengths(int32_t count, const double *length, sp_error *err) {
+    for (int32_t k = 0; k < count; k++)
+        if (length[k] != floor(length[k]))
+            return sp_fail(err, SP_EINVAL, "--grains %g: must be an integer 1 .. %d", length[k], GRAINS_MAX);
     return SP_OK;
 }
 
@@ -171,9 +151,8 @@ static sp_status refuse_work(double work, sp_error *err) {
                    ceil(work / work_max * 10));
 }
 
-/* ---- tables ----------------------------------------------------------------------------------------------------- */
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
 
-/* What the fronts of long chains tend to. */
 static void limit_comments(cli_writer *w, const sp_chain_limit *limit, const units *u) {
     cli_comment(w,
                 "exponents are local, between N and 2 N; limits of them, of amplitude N^gamma and of widths/N^alpha:");
@@ -187,8 +166,7 @@ static void limit_comments(cli_writer *w, const sp_chain_limit *limit, const uni
 static sp_status front_row(const arguments *a, const units *u, int64_t grains, sp_table *t, sp_error *err) {
     sp_front one, two;
     sp_status status = sp_chain_front(grains, (sp_chain_source)a->initial, &one, err);
-    if (status == SP_OK)
-        status = sp_chain_front(2 * grains, (sp_chain_source)a->initial, &two, err);
+    CLI_THEN(status, sp_chain_front(2 * grains, (sp_chain_source)a->initial, &two, err));
     if (status != SP_OK)
         return status;
     const double width_peak = one.t_zero - one.t_peak;
@@ -200,14 +178,13 @@ static sp_status front_row(const arguments *a, const units *u, int64_t grains, s
 
 static sp_status front_table(const arguments *a, const units *u, cli_writer *w) {
     const sp_chain_limit limit = sp_chain_limit_of((sp_chain_source)a->initial);
-    int64_t length[LENGTHS_MAX];
-    int count;
-    double work = 0;
+    double length[LENGTHS_MAX], work = 0;
+    int32_t count = 0;
     w->status = read_lengths(a->grains ? a->grains : "10:1000000:2", &count, length, w->err);
+    CLI_THEN(w->status, check_lengths(count, length, w->err));
     for (int k = 0; k < count && w->status == SP_OK; k++)
-        work += 3 * 48.0 * (double)length[k];
-    if (w->status == SP_OK)
-        w->status = refuse_work(work, w->err);
+        work += 3 * 48.0 * length[k];
+    CLI_THEN(w->status, refuse_work(work, w->err));
     cli_comment(w, "errors: 1e-11 of a time; amplitude and widths 1e-14 (1 + N^(2/3)) in units of K l and l/c");
     limit_comments(w, &limit, u);
     cli_columns(w, SP_COLUMN_INTEGER, "grains", "", NULL);
@@ -215,11 +192,10 @@ static sp_status front_table(const arguments *a, const units *u, cli_writer *w) 
                 u->force_name, "width", u->time_name, "width_peak", u->time_name, "gamma", "", "alpha", "",
                 "alpha_peak", "", NULL);
     for (int k = 0; k < count && w->status == SP_OK; k++)
-        w->status = front_row(a, u, length[k], w->table, w->err);
+        w->status = front_row(a, u, (int64_t)length[k], w->table, w->err);
     return w->status;
 }
 
-/* Reads the single length of `signal' and `modes'. */
 static sp_status one_length(const arguments *a, int64_t most, int64_t *grains, cli_writer *w) {
     w->status = cli_integer("--grains", a->grains, 1, most, grains, w->err);
     cli_comment(w, "grains = %lld", (long long)*grains);
@@ -236,10 +212,9 @@ static sp_status signal_rows(const arguments *a, const units *u, const sp_chain 
     for (size_t l = 0; l < n; l++)
         time[l] = from + (until - from) * ((double)l / (double)(n - 1));
     w->status = sp_chain_walls_signal(chain, a->points, time, f, w->err);
-    if (w->status == SP_OK)
-        w->status = sp_chain_airy(chain->grains, chain->source, a->points, time, airy, w->err);
+    CLI_THEN(w->status, sp_chain_airy(chain->grains, chain->source, a->points, time, airy, w->err));
     for (size_t l = 0; l < n && w->status == SP_OK; l++)
-        w->status = sp_table_add_row(w->table, w->err, time[l] * u->time, f[l] * u->force, airy[l] * u->force);
+        cli_row(w, time[l] * u->time, f[l] * u->force, airy[l] * u->force);
     sp_free(time);
     return w->status;
 }
@@ -273,44 +248,29 @@ static sp_status modes_table(const arguments *a, cli_writer *w) {
     cli_columns(w, SP_COLUMN_NUMBER, "omega", "c/l", "a", "l", "b", "K", NULL);
     for (int64_t n = 1; n <= grains && w->status == SP_OK; n++) {
         const double b = 0.5 * ((double)grains + 1) * sp_chain_amplitude(grains, n, SP_CHAIN_DISPLACEMENT);
-        w->status = sp_table_add_row(w->table, w->err, n, sp_chain_omega(grains, n),
-                                     sp_chain_amplitude(grains, n, source), n % 2 ? b : -b);
+        cli_row(w, n, sp_chain_omega(grains, n), sp_chain_amplitude(grains, n, source), n % 2 ? b : -b);
     }
     return w->status;
 }
 
-static sp_status soliton_row(const char *text, size_t length, cli_writer *w) {
-    char word[64] = "";
-    double peak = INFINITY;
+static void soliton_row(double peak, cli_writer *w) {
     sp_solitary s;
-    if (length < sizeof word)
-        memcpy(word, text, length);
-    if (strcmp(word, "inf") != 0)
-        w->status = cli_number("--peaks", word, 1e-4, 1e9, &peak, w->err);
-    if (w->status == SP_OK)
-        w->status = sp_solitary_make(peak, &s, w->err);
-    if (w->status == SP_OK)
-        w->status =
-            sp_table_add_row(w->table, w->err, s.peak, s.force, s.speed, s.kdv, s.nesterenko, s.velocity, s.width,
-                             s.kdv_width, s.speed_at_peak, s.nesterenko_at_peak, s.velocity_at_peak, s.error);
-    return w->status;
+    w->status = sp_solitary_make(peak, &s, w->err);
+    cli_row(w, s.peak, s.force, s.speed, s.kdv, s.nesterenko, s.velocity, s.width, s.kdv_width, s.speed_at_peak,
+            s.nesterenko_at_peak, s.velocity_at_peak, s.error);
 }
 
 static sp_status soliton_table(const arguments *a, cli_writer *w) {
     const char *text = a->peaks ? a->peaks : "0.001,0.01,0.1,1,10,100,1000,inf";
+    double peak[LENGTHS_MAX];
+    int32_t n = 0;
+    w->status = cli_numbers("--peaks", text, 1e-4, INFINITY, LENGTHS_MAX, &n, peak, w->err);
     cli_comment(w, "relative_error: of speed, velocity and width, an estimate");
     cli_columns(w, SP_COLUMN_NUMBER, "peak", "", "force", "", "speed", "c", "kdv", "c", "nesterenko", "c", "velocity",
                 "c delta0/l", "width", "l", "kdv_width", "l", "speed_at_peak", "", "nesterenko_at_peak", "",
                 "velocity_at_peak", "", "relative_error", "", NULL);
-    for (int rows = 0; w->status == SP_OK; rows++) {
-        const size_t length = strcspn(text, ",");
-        if (rows == LENGTHS_MAX)
-            return sp_fail(w->err, SP_EINVAL, "--peaks: at most %d numbers", LENGTHS_MAX);
-        soliton_row(text, length, w);
-        if (text[length] == '\0')
-            break;
-        text += length + 1;
-    }
+    for (int32_t k = 0; k < n && w->status == SP_OK; k++)
+        soliton_row(peak[k], w);
     return w->status;
 }
 
@@ -324,32 +284,63 @@ static units units_of(double pressure, sp_chain_source source) {
     return (units){1 / rate, k * (source == SP_CHAIN_VELOCITY ? rate : k), "d/sqrt(E* / rho)", "E* d^2"};
 }
 
-static sp_status localisation_table(const arguments *a, cli_writer *w) {
-    chain_localised of = {.grains = 1000000, .seed = a->seed, .disorder = a->disorder, .at = a->at};
-    if (a->grains)
-        w->status = cli_integer("--grains", a->grains, 1000, RANDOM_MAX, &of.grains, w->err);
-    return w->status == SP_OK ? chain_localised_table(&of, w) : w->status;
+static void localisation_rows(const arguments *a, int64_t grains, int32_t n, const double *omega, const double *mass,
+                              const double *spring, cli_writer *w) {
+    for (int32_t l = 0; l < n && w->status == SP_OK; l++) {
+        sp_localisation r;
+        w->status = sp_localisation_chain(grains, mass, spring, omega[l], &r, w->err);
+        const bool seen = w->status == SP_OK && r.gamma > 2 * r.gamma_err;
+        const double length = seen ? 1 / r.gamma : NAN;
+        cli_row(w, omega[l], r.gamma, r.gamma_err, length, length * length * r.gamma_err,
+                1 / (fmax(0, r.gamma) + 2 * r.gamma_err),
+                sp_localisation_law(omega[l], 1, a->disorder * a->disorder, 1));
+    }
 }
 
-static sp_status work(const arguments *a, sp_table *t, sp_error *err) {
-    cli_writer w = {.table = t, .err = err, .status = cli_may_write_table(&a->common, err)};
+static sp_status localisation_table(const arguments *a, cli_writer *w) {
+    double omega[LENGTHS_MAX];
+    int32_t n = 0;
+    int64_t grains = 1000000;
+    if (a->grains)
+        w->status = cli_integer("--grains", a->grains, 1000, RANDOM_MAX, &grains, w->err);
+    CLI_THEN(w->status, cli_frequencies(a->at ? a->at : "0.1:1.9:19", LENGTHS_MAX, &n, omega, w->err));
+    if (w->status != SP_OK)
+        return w->status;
+    double *mass = sp_alloc(2 * (size_t)grains + 1, sizeof *mass);
+    if (!mass)
+        return sp_fail_memory(w->err, (2 * (size_t)grains + 1) * sizeof *mass);
+    double *spring = mass + grains;
+    w->status = sp_localisation_masses(grains, a->disorder, (uint64_t)a->seed, mass, w->err);
+    for (int64_t j = 0; j <= grains; j++)
+        spring[j] = 1;
+    cli_comment(w, "grains = %lld", (long long)grains);
+    cli_value(w, "disorder", a->disorder);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", "c/l", "gamma", "1/l", "gamma_err", "1/l", "length", "l", "length_err",
+                "l", "length_low", "l", "law", "1/l", NULL);
+    localisation_rows(a, grains, n, omega, mass, spring, w);
+    sp_free(mass);
+    return w->status;
+}
+
+static sp_status work(void *user, cli_writer *w) {
+    const arguments *a = user;
     const units u = units_of(a->pressure, (sp_chain_source)a->initial);
     if (a->common.kind == KIND_LOCALISATION)
-        cli_comment(&w, "chain of equal springs K and random masses of mean m");
+        cli_comment(w, "chain of equal springs K and random masses of mean m");
     else if (a->common.kind == KIND_SOLITON)
-        cli_comment(&w, "chain of equal balls, solitary waves");
+        cli_comment(w, "chain of equal balls, solitary waves");
     else
-        cli_comment(&w, "chain of equal balls, initial condition %s",
+        cli_comment(w, "chain of equal balls, initial condition %s",
                     a->initial == SP_CHAIN_VELOCITY ? "A: velocity" : "B: displacement");
     if (!isnan(a->pressure))
-        cli_value(&w, "pressure", a->pressure);
-    if (w.status == SP_OK)
-        w.status = a->common.kind == KIND_FRONT          ? front_table(a, &u, &w)
-                   : a->common.kind == KIND_SIGNAL       ? signal_table(a, &u, &w)
-                   : a->common.kind == KIND_SOLITON      ? soliton_table(a, &w)
-                   : a->common.kind == KIND_LOCALISATION ? localisation_table(a, &w)
-                                                         : modes_table(a, &w);
-    return w.status == SP_OK ? cli_write_table(&a->common, t, err) : w.status;
+        cli_value(w, "pressure", a->pressure);
+    switch (a->common.kind) {
+    case KIND_FRONT: return front_table(a, &u, w);
+    case KIND_SIGNAL: return signal_table(a, &u, w);
+    case KIND_SOLITON: return soliton_table(a, w);
+    case KIND_LOCALISATION: return localisation_table(a, w);
+    default: return modes_table(a, w);
+    }
 }
 
 int cmd_chain(int argc, char **argv) {
@@ -361,10 +352,6 @@ int cmd_chain(int argc, char **argv) {
                    .points = 1001,
                    .disorder = 0.3,
                    .seed = 1};
-    cli_parse(&syntax, argc, argv, &a);
-    sp_error err = {0};
-    sp_table t = sp_table_none();
-    const sp_status status = work(&a, &t, &err);
-    sp_table_free(&t);
-    return status == SP_OK ? CLI_OK : cli_fail(&err);
+    cli_parse(&cmd_chain_syntax, argc, argv, &a);
+    return cli_run_table(&a, work);
 }

@@ -2,7 +2,6 @@
 #include "base/base.h"
 #include "cli/excitation.h"
 #include "cli/files.h"
-#include "cli/trace.h"
 #include "numeric/random.h"
 #include "packing/geometry.h"
 
@@ -13,35 +12,11 @@
 typedef struct arguments {
     cli_common common;
     const char *before, *after; /* tables of measured signals; NULL: computed ones */
-    double change, noise, low, high;
+    double change, noise, window[2];
     int64_t grain, trials, seed, points, rows;
     cli_places sources, detectors;
     int component, source;
 } arguments;
-
-static sp_status add_source(void *user, const char *word, sp_error *err) {
-    return cli_places_add(&((arguments *)user)->sources, "--from", word, err);
-}
-
-static sp_status add_detector(void *user, const char *word, sp_error *err) {
-    return cli_places_add(&((arguments *)user)->detectors, "--detector", word, err);
-}
-
-static sp_status set_window(void *user, const char *text, sp_error *err) {
-    arguments *a = user;
-    char first[64] = "";
-    const char *colon = strchr(text, ':');
-    const size_t length = colon ? (size_t)(colon - text) : 0;
-    if (length == 0 || length >= sizeof first)
-        return sp_fail(err, SP_EINVAL, "--window %.60s: must be two times, T1:T2", text);
-    memcpy(first, text, length);
-    sp_status status = cli_number("--window", first, 0, 1e9, &a->low, err);
-    if (status == SP_OK)
-        status = cli_number("--window", colon + 1, 1e-9, 1e9, &a->high, err);
-    if (status == SP_OK && !(a->low < a->high))
-        status = sp_fail(err, SP_EINVAL, "--window %.60s: must be two times T1:T2 with T1 below T2", text);
-    return status;
-}
 
 static const cli_option options[] = {
     {.help = "Measured signals:"},
@@ -60,13 +35,15 @@ static const cli_option options[] = {
      .field = offsetof(arguments, points), .low = 10, .high = 1000000},
     {.help = "Comparison:"},
     {"window", "T1:T2", "Times that are compared [d/sqrt(E* / rho)] (W/2:2 W with W = (8 H + 40) (p/1e-4)^(-1/6))",
-     .parse = set_window},
+     CLI_PAIR, .field = offsetof(arguments, window), .high = 1e9},
     {"noise", "SD",
      "Noise of both signals, relative to the root mean square of the signal in the window (0; of measured signals what "
      "the best fit leaves)",
      CLI_NUMBER, .field = offsetof(arguments, noise), .high = 1e6},
-    {"from", "PLACE", "Source, as in signal (bottom); repeatable", .parse = add_source},
-    {"detector", "PLACE", "Detector, as in signal (top); repeatable", .parse = add_detector},
+    {"from", "PLACE", "Source, as in signal (bottom); repeatable", .parse = cli_places_add,
+     .field = offsetof(arguments, sources)},
+    {"detector", "PLACE", "Detector, as in signal (top); repeatable", .parse = cli_places_add,
+     .field = offsetof(arguments, detectors)},
     {"component", "normal|shear", "Component at every PLACE without one (normal)", CLI_CHOICE,
      .field = offsetof(arguments, component), .words = cli_component_names},
     {"source", "impulse|velocity|displacement", "Kind of source (impulse)", CLI_CHOICE,
@@ -75,8 +52,6 @@ static const cli_option options[] = {
      .high = INT32_MAX},
     {0}};
 
-static const cli_syntax syntax;
-
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
     const bool measured = a->before || a->after;
@@ -84,25 +59,26 @@ static sp_status check(void *user, sp_error *err) {
         return sp_fail(err, SP_EINVAL, "--before and --after: must be given both");
     if (measured + (a->grain >= 0) + (a->trials > 0) != 1)
         return sp_fail(err, SP_EINVAL, "one of --grain I, --trials N, and --before with --after must be given");
-    sp_status status = cli_need(&syntax, &a->common, "rows", a->trials == 0, "--grain, or --before and --after", err);
+    sp_status status =
+        cli_need(&cmd_coda_syntax, &a->common, "rows", a->trials == 0, "--grain, or --before and --after", err);
     static const char *const computed[] = {"change", "points", "seed"};
     for (size_t k = 0; k < sizeof computed / sizeof *computed && status == SP_OK; k++)
-        status = cli_need(&syntax, &a->common, computed[k], !measured, "--grain or --trials", err);
+        status = cli_need(&cmd_coda_syntax, &a->common, computed[k], !measured, "--grain or --trials", err);
     return status;
 }
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_coda_syntax = {
     .usage = "FILE",
     .help =
-        "Coda-wave interferometry: finds the grain whose contacts have changed from the change of the signals, most of "
-        "all of their late part, which has passed every place many times.\v"
+        "Coda-wave interferometry: finds the grain whose contacts have changed from the change of the signals, most "
+        "of all of their late part, which has passed every place many times.\v"
         "The kernel of a grain is the derivative of the signal by the logarithm of the stiffness of all its contacts. "
-        "Each grain alone, with the change that fits best, is compared with the change of the signals. misfit: part of "
-        "the squared change that it leaves unexplained. probability: of being the place, if noise is white and each "
-        "grain is equally likely beforehand. change: of the stiffness, relative to it. change_err: its standard error, "
-        "from the noise and from what the kernel leaves out, which knows changes to first order. The packing must be "
-        "that of the measurement, and tables of measured "
-        "signals have one column for each pair of a source and a detector, detectors running fastest.\n"
+        "Each grain alone, with the change that fits best, is compared with the change of the signals. misfit: part "
+        "of the squared change that it leaves unexplained. probability: of being the place, if noise is white and "
+        "each grain is equally likely beforehand. change: of the stiffness, relative to it. change_err: its standard "
+        "error, from the noise and from what the kernel leaves out, which knows changes to first order. The packing "
+        "must be that of the measurement, and tables of measured signals have one column for each pair of a source "
+        "and a detector, detectors running fastest.\n"
         "\n"
         "stretch: relative change of speed that stretches the first signal to that after the change, by least "
         "squares.\n"
@@ -111,40 +87,30 @@ static const cli_syntax syntax = {
         "there is a row for each of several grains: where it was found, at which distance d, with which probability; "
         "rank: how many grains are as probable as the right one or more. The comments found and distance are the "
         "fraction that was found exactly and the mean distance.",
-    .finds_material = true,
+    CLI_ONE_PACKING,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = 1,
     .springs = true,
     .check = check};
 
 /* Signals on the times of the window. */
 typedef struct signals {
     int32_t times, pairs;
-    double *t;               /* [times] */
+    double *t;               /* [times], one block with the others */
     double *before, *change; /* [pairs][times] */
     double *base;            /* [pairs][times] computed signals without the change */
     double noise;            /* standard deviation of each value of the change; 0: unknown */
 } signals;
 
-static void free_signals(signals *s) {
-    sp_free(s->t);
-    sp_free(s->before);
-    sp_free(s->change);
-    sp_free(s->base);
-}
-
 static sp_status alloc_signals(signals *s, sp_error *err) {
-    const size_t values = (size_t)s->pairs * (size_t)s->times;
-    s->t = sp_alloc((size_t)s->times, sizeof *s->t);
-    s->before = sp_alloc(values, sizeof *s->before);
-    s->change = sp_alloc(values, sizeof *s->change);
-    s->base = sp_alloc(values, sizeof *s->base);
-    return s->t && s->before && s->change && s->base ? SP_OK : sp_fail_memory(err, 4 * values * sizeof *s->before);
+    const size_t values = (size_t)s->pairs * (size_t)s->times, all = (size_t)s->times + 3 * values;
+    s->t = sp_alloc(all, sizeof *s->t);
+    s->before = s->t ? s->t + s->times : NULL;
+    s->change = s->t ? s->before + values : NULL;
+    s->base = s->t ? s->change + values : NULL;
+    return s->t ? SP_OK : sp_fail_memory(err, all * sizeof *s->t);
 }
 
-/* ---- measured signals ------------------------------------------------------------------------------------------- */
+/* ---- measured signals -------------------------------------------------------------------------------------------- */
 
 static sp_status find_columns(const sp_table *t, const char *path, int32_t pairs, int *time, int *force,
                               sp_error *err) {
@@ -166,30 +132,14 @@ static sp_status find_columns(const sp_table *t, const char *path, int32_t pairs
     return SP_OK;
 }
 
-/* Rows of a table within the window. */
-static int32_t first_row(const sp_table *t, int time, double low, double high, int32_t *count) {
-    int32_t first = 0;
-    *count = 0;
-    for (int64_t row = 0; row < t->rows; row++) {
-        const double at = sp_table_number(t, row, time);
-        if (!(at >= low && at <= high))
-            continue;
-        if ((*count)++ == 0)
-            first = (int32_t)row;
-    }
-    return first;
-}
-
-static void copy_columns(const sp_table *t, int32_t first, int time, int force, signals *s, bool after) {
+/* The values of the rows from `first` on: before the change, or the change. */
+static void copy_columns(const sp_table *t, int64_t first, int time, int force, signals *s, bool after) {
     for (int32_t l = 0; l < s->times; l++) {
         s->t[l] = sp_table_number(t, first + l, time);
         for (int32_t k = 0; k < s->pairs; k++) {
             const size_t at = (size_t)k * (size_t)s->times + (size_t)l;
             const double f = sp_table_number(t, first + l, force + k);
-            if (after)
-                s->change[at] = f - s->before[at];
-            else
-                s->before[at] = f;
+            (after ? s->change : s->before)[at] = after ? f - s->before[at] : f;
         }
     }
 }
@@ -207,36 +157,40 @@ static sp_status same_times(const sp_table *a, const sp_table *b, int time_a, in
                                         (long long)b->rows, (long long)a->rows);
 }
 
+static sp_status take_window(const arguments *a, const sp_table *before, const sp_table *after, const int column[4],
+                             signals *s, sp_error *err) {
+    int64_t first = 0;
+    while (first < before->rows && !(sp_table_number(before, first, column[0]) >= a->window[0]))
+        first++;
+    for (s->times = 0; first + s->times < before->rows; s->times++)
+        if (!(sp_table_number(before, first + s->times, column[0]) <= a->window[1]))
+            break;
+    if (s->times < 10)
+        return sp_fail(err, SP_EINVAL, "%s: has %d rows in the window %g:%g, must have at least 10", a->before,
+                       s->times, a->window[0], a->window[1]);
+    const sp_status status = alloc_signals(s, err);
+    if (status != SP_OK)
+        return status;
+    copy_columns(before, first, column[0], column[1], s, false);
+    copy_columns(after, first, column[2], column[3], s, true);
+    return SP_OK;
+}
+
 static sp_status read_signals(const arguments *a, signals *s, sp_error *err) {
     sp_table before = sp_table_none(), after = sp_table_none();
-    int time = 0, force = 0, time_after = 0, force_after = 0;
-    sp_status status = cli_read_table(a->before, &before, err);
-    if (status == SP_OK)
-        status = cli_read_table(a->after, &after, err);
-    if (status == SP_OK)
-        status = find_columns(&before, a->before, s->pairs, &time, &force, err);
-    if (status == SP_OK)
-        status = find_columns(&after, a->after, s->pairs, &time_after, &force_after, err);
-    if (status == SP_OK)
-        status = same_times(&before, &after, time, time_after, a->after, err);
-    if (status == SP_OK) {
-        const int32_t first = first_row(&before, time, a->low, a->high, &s->times);
-        if (s->times < 10)
-            status = sp_fail(err, SP_EINVAL, "%s: has %d rows in the window %g:%g, must have at least 10", a->before,
-                             s->times, a->low, a->high);
-        if (status == SP_OK)
-            status = alloc_signals(s, err);
-        if (status == SP_OK) {
-            copy_columns(&before, first, time, force, s, false);
-            copy_columns(&after, first, time_after, force_after, s, true);
-        }
-    }
+    int column[4] = {0}; /* time and first signal of both */
+    sp_status status = sp_table_read(a->before, &before, err);
+    CLI_THEN(status, sp_table_read(a->after, &after, err));
+    CLI_THEN(status, find_columns(&before, a->before, s->pairs, &column[0], &column[1], err));
+    CLI_THEN(status, find_columns(&after, a->after, s->pairs, &column[2], &column[3], err));
+    CLI_THEN(status, same_times(&before, &after, column[0], column[2], a->after, err));
+    CLI_THEN(status, take_window(a, &before, &after, column, s, err));
     sp_table_free(&after);
     sp_table_free(&before);
     return status;
 }
 
-/* ---- computed signals ------------------------------------------------------------------------------------------- */
+/* ---- computed signals -------------------------------------------------------------------------------------------- */
 
 static double root_mean_square(const signals *s) {
     const int64_t values = (int64_t)s->pairs * s->times;
@@ -255,7 +209,7 @@ static sp_status change_grain(const arguments *a, const sp_network *net, const s
     return status;
 }
 
-/* ---- the tables ------------------------------------------------------------------------------------------------- */
+/* ---- the tables -------------------------------------------------------------------------------------------------- */
 
 static double distance(const sp_packing *p, int32_t i, int32_t j) {
     double d[3];
@@ -266,14 +220,13 @@ static double distance(const sp_packing *p, int32_t i, int32_t j) {
 }
 
 static sp_status add_candidates(const arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
-                                signals *s, sp_coda_candidate *found, sp_table *t, sp_error *err) {
+                                signals *s, sp_coda_candidate *found, cli_writer *w) {
     sp_status status = SP_OK;
     for (int32_t k = 0; k < c->n && k < a->rows && status == SP_OK; k++) {
         const double *x = file->packing.x + 3 * (size_t)found[k].grain;
-        status = sp_coda_first_order(&file->network, o, c, s->base, &found[k], err);
-        if (status == SP_OK)
-            status = sp_table_add_row(t, err, (int64_t)found[k].grain, x[0], x[1], x[2], found[k].probability,
-                                      found[k].change, found[k].error, found[k].misfit);
+        status = sp_coda_first_order(&file->network, o, c, s->base, &found[k], w->err);
+        CLI_THEN(status, cli_row(w, (int64_t)found[k].grain, x[0], x[1], x[2], found[k].probability, found[k].change,
+                                 found[k].error, found[k].misfit));
     }
     return status;
 }
@@ -291,14 +244,14 @@ typedef struct tally {
 } tally;
 
 static sp_status add_trial(const sp_packing *p, const sp_coda *c, const sp_coda_candidate *found, int32_t grain,
-                           tally *sum, sp_table *t, sp_error *err) {
+                           tally *sum, cli_writer *w) {
     const double away = distance(p, grain, found[0].grain);
     sum->n++;
     sum->distance += away;
     sum->square += away * away;
     sum->hits += found[0].grain == grain;
-    return sp_table_add_row(t, err, (int64_t)grain, (int64_t)found[0].grain, rank_of(c, found, grain), away,
-                            found[0].probability, found[0].change, found[0].error, found[0].misfit);
+    return cli_row(w, (int64_t)grain, (int64_t)found[0].grain, rank_of(c, found, grain), away, found[0].probability,
+                   found[0].change, found[0].error, found[0].misfit);
 }
 
 static void add_tally(const arguments *a, const tally *s, cli_writer *w) {
@@ -312,59 +265,53 @@ static void add_tally(const arguments *a, const tally *s, cli_writer *w) {
 }
 
 static sp_status search_trials(const arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
-                               signals *s, sp_coda_candidate *found, sp_table *t, sp_error *err) {
+                               signals *s, sp_coda_candidate *found, cli_writer *w) {
     sp_random random = sp_random_make((uint64_t)a->seed, SP_STREAM_TRIALS);
-    cli_writer w = {.table = t, .err = err};
     tally sum = {0};
     sp_status status = SP_OK;
     for (int64_t k = 0; k < a->trials && status == SP_OK; k++) {
         const int32_t grain = c->grain[sp_random_below(&random, (uint64_t)c->n)];
-        status = change_grain(a, &file->network, o, grain, &random, s, err);
-        if (status == SP_OK)
-            status = sp_coda_locate(c, s->change, s->noise, found, err);
-        if (status == SP_OK)
-            status = sp_coda_first_order(&file->network, o, c, s->base, &found[0], err);
-        if (status == SP_OK)
-            status = add_trial(&file->packing, c, found, grain, &sum, t, err);
+        status = change_grain(a, &file->network, o, grain, &random, s, w->err);
+        CLI_THEN(status, sp_coda_locate(c, s->change, s->noise, found, w->err));
+        CLI_THEN(status, sp_coda_first_order(&file->network, o, c, s->base, &found[0], w->err));
+        CLI_THEN(status, add_trial(&file->packing, c, found, grain, &sum, w));
     }
     if (status == SP_OK)
-        add_tally(a, &sum, &w);
-    return status == SP_OK ? w.status : status;
+        add_tally(a, &sum, w);
+    return status == SP_OK ? w->status : status;
 }
 
 static sp_status search_one(const arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
-                            signals *s, sp_coda_candidate *found, sp_table *t, sp_error *err) {
+                            signals *s, sp_coda_candidate *found, cli_writer *w) {
     sp_random random = sp_random_make((uint64_t)a->seed, SP_STREAM_TRIALS);
-    cli_writer w = {.table = t, .err = err};
     double stretch, error;
     sp_status status = SP_OK;
     if (a->grain >= 0)
-        status = change_grain(a, &file->network, o, (int32_t)a->grain, &random, s, err);
-    if (status == SP_OK)
-        status = sp_coda_locate(c, s->change, s->noise, found, err);
+        status = change_grain(a, &file->network, o, (int32_t)a->grain, &random, s, w->err);
+    CLI_THEN(status, sp_coda_locate(c, s->change, s->noise, found, w->err));
     if (status != SP_OK)
         return status;
     sp_coda_stretch(s->times, s->t, s->before, s->change, &stretch, &error);
-    cli_value(&w, "stretch", stretch); /* of the first signal */
-    cli_value(&w, "stretch_err", error);
+    cli_value(w, "stretch", stretch); /* of the first signal */
+    cli_value(w, "stretch_err", error);
     if (a->grain >= 0) {
-        cli_value(&w, "change", a->change);
-        cli_comment(&w, "grain = %lld", (long long)a->grain);
-        cli_value(&w, "distance", distance(&file->packing, (int32_t)a->grain, found[0].grain));
+        cli_value(w, "change", a->change);
+        cli_comment(w, "grain = %lld", (long long)a->grain);
+        cli_value(w, "distance", distance(&file->packing, (int32_t)a->grain, found[0].grain));
     }
-    return w.status == SP_OK ? add_candidates(a, file, c, o, s, found, t, err) : w.status;
+    return w->status == SP_OK ? add_candidates(a, file, c, o, s, found, w) : w->status;
 }
 
-/* ---- all of it -------------------------------------------------------------------------------------------------- */
+/* ---- all of it --------------------------------------------------------------------------------------------------- */
 
 static sp_status prepare(arguments *a, const cli_file *file, signals *s, sp_coda_options *o, sp_error *err) {
     const double usual = sp_signal_window(sp_packing_height(&file->packing), file->packing.pressure);
     sp_status status;
     cli_places_set_component(&a->sources, a->component == 1);
     cli_places_set_component(&a->detectors, a->component == 1);
-    if (isnan(a->low)) {
-        a->low = 0.5 * usual;
-        a->high = 2 * usual;
+    if (isnan(a->window[0])) {
+        a->window[0] = 0.5 * usual;
+        a->window[1] = 2 * usual;
     }
     s->pairs = a->sources.n * a->detectors.n;
     s->times = (int32_t)a->points;
@@ -380,59 +327,54 @@ static sp_status prepare(arguments *a, const cli_file *file, signals *s, sp_coda
     if (status != SP_OK || a->before)
         return status;
     for (int32_t l = 0; l < s->times; l++)
-        s->t[l] = a->low + (a->high - a->low) * l / (s->times - 1);
+        s->t[l] = a->window[0] + (a->window[1] - a->window[0]) * l / (s->times - 1);
     return sp_coda_signal(&file->network, o, -1, 0, s->before, err);
 }
 
 static void describe(const arguments *a, const cli_file *file, const sp_coda *c, cli_writer *w) {
     cli_comment(w, "file = %s", file->path);
-    cli_value(w, "window_low", a->low);
-    cli_value(w, "window_high", a->high);
+    cli_value(w, "window_low", a->window[0]);
+    cli_value(w, "window_high", a->window[1]);
     cli_comment(w, "pairs = %d", c->pairs);
     cli_comment(w, "times = %d", c->times);
     if (a->noise > 0)
         cli_value(w, "noise", a->noise);
 }
 
-static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     signals s = {0};
     sp_coda c = sp_coda_none();
     sp_coda_options o;
     sp_coda_candidate *found = NULL;
-    cli_writer w = {.table = t, .err = err};
-    sp_status status = prepare(a, file, &s, &o, err);
-    if (status == SP_OK)
-        status = sp_coda_make(&file->network, &o, &c, err);
+    sp_status status = prepare(a, file, &s, &o, w->err);
+    CLI_THEN(status, sp_coda_make(&file->network, &o, &c, w->err));
     if (status == SP_OK) {
         found = sp_alloc((size_t)c.n, sizeof *found);
         s.noise = sqrt(2) * a->noise * root_mean_square(&s);
-        status = sp_coda_signal(&file->network, &o, -1, 0, s.base, err);
-        describe(a, file, &c, &w);
-        if (status == SP_OK)
-            status = found ? w.status : sp_fail_memory(err, (size_t)c.n * sizeof *found);
+        status = sp_coda_signal(&file->network, &o, -1, 0, s.base, w->err);
+        describe(a, file, &c, w);
+        CLI_THEN(status, found ? w->status : sp_fail_memory(w->err, (size_t)c.n * sizeof *found));
     }
-    if (status == SP_OK)
-        status = (a->trials > 0 ? search_trials : search_one)(a, file, &c, &o, &s, found, t, err);
+    CLI_THEN(status, (a->trials > 0 ? search_trials : search_one)(a, file, &c, &o, &s, found, w));
     sp_free(found);
     sp_coda_free(&c);
-    free_signals(&s);
+    sp_free(s.t);
     return status;
 }
 
-static sp_status begin(void *user, sp_table *t, sp_error *err) {
+static sp_status begin(void *user, cli_writer *w) {
     const arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
     if (a->trials > 0) {
-        cli_columns(&w, SP_COLUMN_INTEGER, "grain", "", "found", "", "rank", "", NULL);
-        cli_columns(&w, SP_COLUMN_NUMBER, "distance", "d", "probability", "", "change", "", "change_err", "", "misfit",
+        cli_columns(w, SP_COLUMN_INTEGER, "grain", "", "found", "", "rank", "", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, "distance", "d", "probability", "", "change", "", "change_err", "", "misfit",
                     "", NULL);
-        return w.status;
+        return w->status;
     }
-    cli_columns(&w, SP_COLUMN_INTEGER, "grain", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "probability", "", "change", "", "change_err", "",
+    cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "probability", "", "change", "", "change_err", "",
                 "misfit", "", NULL);
-    return w.status;
+    return w->status;
 }
 
 int cmd_coda(int argc, char **argv) {
@@ -443,9 +385,8 @@ int cmd_coda(int argc, char **argv) {
                    .seed = 1,
                    .points = 400,
                    .rows = 20,
-                   .low = NAN,
-                   .high = NAN,
+                   .window = {NAN, NAN},
                    .sources = {.sources = true}};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_coda_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

@@ -1,6 +1,6 @@
 /* sonopack column: computes the motion of a column of particles on a tapped floor. */
 #include "base/base.h"
-#include "cli/cli.h"
+#include "cli/files.h"
 
 #include <string.h>
 
@@ -9,7 +9,7 @@ typedef struct arguments {
     double begun;
 } arguments;
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_column_syntax = {
     .usage = "[SCENE]",
     .help =
         "A vertical column of particles on a floor that is tapped, described by the keys column.* of a scene (cm, g, "
@@ -21,14 +21,14 @@ static const cli_syntax syntax = {
         "contact (0 is the contact with the floor, i that of particles i and i + 1).\n"
         "density: along the column.\n"
         "compare: differences between the continuum models longwave and bsr and the particles.\n"
-        "bifurcation: heights of the particles at .99T, ... for each of column.points values of column.parameter "
-        "from column.from to column.to.\n"
+        "bifurcation: heights of the particles at .99T, ... for each of column.points values of column.parameter from "
+        "column.from to column.to.\n"
         "lyapunov: the largest Lyapunov exponent per tap for the same values.\n"
         "\n"
         "Without a SCENE, that of packings/column.cfg is used. Comments of the table give every parameter. Comments "
         "that begin with \"warning:\", which also go to stderr, say where the model breaks down: where a particle is "
-        "pressed beyond the centre of its neighbour, so that no contact law applies, or where a method or an "
-        "equation does not reproduce the column.\n"
+        "pressed beyond the centre of its neighbour, so that no contact law applies, or where a method or an equation "
+        "does not reproduce the column.\n"
         "\n"
         "  sonopack column packings/column.cfg -o column.tsv\n"
         "  sonopack column --set column.output=strobe\n"
@@ -50,43 +50,31 @@ static bool watch(double share, void *user) {
     return !cli_stopped();
 }
 
-/* Repeats the warnings among the comments on stderr. */
 static void warn(const arguments *a, const sp_table *t) {
     for (int k = 0; k < t->comments; k++)
         if (strncmp(t->comment[k], "warning: ", strlen("warning: ")) == 0)
             cli_note(&a->common, "%s", t->comment[k]);
 }
 
-static sp_status compute(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
+static sp_status work(void *user, cli_writer *w) {
+    arguments *a = user;
+    sp_scene scene = sp_scene_default();
+    sp_status status = sp_scene_read_tapped(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets,
+                                            a->common.set, &scene, w->err);
     cli_catch_signals(&a->common);
-    scene->tapped.stopped = stopped;
+    scene.tapped.stopped = stopped;
     a->begun = sp_clock_wall();
-    sp_status status =
-        sp_tapped_table_watched(&scene->tapped, a->common.threads, (sp_tapped_watcher){watch, a}, t, err);
+    CLI_THEN(status, sp_tapped_table_watched(&scene.tapped, a->common.threads, (sp_tapped_watcher){watch, a}, w->table,
+                                             w->err));
     cli_progress_end();
+    if (status == SP_OK)
+        warn(a, w->table);
+    sp_scene_free(&scene);
     return status;
-}
-
-static sp_status work(arguments *a, sp_scene *scene, sp_table *t, sp_error *err) {
-    sp_status status = cli_may_write_table(&a->common, err);
-    if (status == SP_OK)
-        status = sp_scene_read_tapped(a->common.files > 0 ? a->common.file[0] : NULL, a->common.sets, a->common.set,
-                                      scene, err);
-    if (status == SP_OK)
-        status = compute(a, scene, t, err);
-    if (status == SP_OK)
-        warn(a, t);
-    return status == SP_OK ? cli_write_table(&a->common, t, err) : status;
 }
 
 int cmd_column(int argc, char **argv) {
     arguments a = {0};
-    cli_parse(&syntax, argc, argv, &a);
-    sp_error err = {0};
-    sp_scene scene = sp_scene_default();
-    sp_table t = sp_table_none();
-    sp_status status = work(&a, &scene, &t, &err);
-    sp_table_free(&t);
-    sp_scene_free(&scene);
-    return status == SP_OK ? CLI_OK : cli_fail(&err);
+    cli_parse(&cmd_column_syntax, argc, argv, &a);
+    return cli_run_table(&a, work);
 }

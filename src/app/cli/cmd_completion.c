@@ -1,7 +1,7 @@
 /* sonopack completion: prints a short script for a shell, which asks `sonopack completion --words ...' for the words at
  * every key. They come from the tables that the commands are parsed with, so that they cannot be out of date. */
 #include "base/base.h"
-#include "cli/output.h"
+#include "cli/cli.h"
 #include "scene/field.h"
 
 #include <stdio.h>
@@ -77,7 +77,7 @@ static const char *const scripts[] = {
     "complete -c sonopack -e\n"
     "complete -c sonopack -f -a '(__sonopack_words)'\n"};
 
-/* ---- words ------------------------------------------------------------------------------------------------------ */
+/* ---- words ------------------------------------------------------------------------------------------------------- */
 
 /* What stands before each word that is offered: "--method=". The shell leaves out what does not begin like the word
  * that is being written. */
@@ -126,25 +126,9 @@ static void put_setting(const offer *o, const char *current) {
     put_values(&(offer){before, length}, key);
 }
 
-/* "a|b|c" is a list of words if it has no upper case and no digits. */
-static void put_listed(const offer *o, const char *list) {
-    char word[32];
-    if (!strchr(list, '|') || list[strspn(list, "abcdefghijklmnopqrstuvwxyz-|")] != '\0')
-        return;
-    for (; *list; list += strspn(list, "|")) {
-        const size_t n = strcspn(list, "|");
-        snprintf(word, sizeof word, "%.*s", (int)n, list);
-        put(o, word, "", "");
-        list += n;
-    }
-}
-
 static void put_argument(const offer *o, const cli_option *option, const char *current) {
     if (option->words)
         put_words(o, option->words);
-    else if (option->word)
-        for (int k = 0; option->word(k); k++)
-            put(o, option->word(k), "", "");
     else if (option->key && sp_field_find(option->key)->words)
         put_values(o, option->key);
     else if (strcmp(option->argument, "KEY=VALUE") == 0)
@@ -153,11 +137,9 @@ static void put_argument(const offer *o, const cli_option *option, const char *c
         puts(":folders");
     else if (strstr(option->argument, "FILE") || strcmp(option->argument, "TABLE") == 0)
         puts(":files");
-    else
-        put_listed(o, option->argument);
 }
 
-/* ---- one command line ------------------------------------------------------------------------------------------- */
+/* ---- one command line -------------------------------------------------------------------------------------------- */
 
 /* The option that a word names, up to `length'; NULL: none that has an argument. */
 static const cli_option *option_of(const cli_syntax *s, const char *word, size_t length) {
@@ -213,9 +195,6 @@ static void put_line(const cli_syntax *s, int count, char **word) {
         put_options(&o, s);
     else if (s->kinds && count == 1)
         put_words(&o, s->kinds);
-    else if (s->file_word)
-        for (int k = 0; s->file_word(k); k++)
-            put(&o, s->file_word(k), "", "");
     else
         put_files(s);
 }
@@ -241,8 +220,8 @@ static int print_words(int count, char **word) {
         put_commands();
         put_words(&plain, (const char *const[]){"scene", NULL});
         put_keys(&plain, "");
-    } else if (row->run != cmd_dispatch) {
-        put_line(cli_syntax_of(row), count - 1, word + 1);
+    } else if (row->syntax) {
+        put_line(row->syntax, count - 1, word + 1);
     } else {
         char name[64], words[] = "--words", *arguments[] = {name, words, NULL};
         snprintf(name, sizeof name, "sonopack %s", row->name);
@@ -254,7 +233,7 @@ static int print_words(int count, char **word) {
     return CLI_OK;
 }
 
-/* ---- the command ------------------------------------------------------------------------------------------------ */
+/* ---- the command ------------------------------------------------------------------------------------------------- */
 
 typedef struct arguments {
     cli_common common;
@@ -262,16 +241,16 @@ typedef struct arguments {
 
 static const cli_option options[] = {{0}};
 
-static const cli_syntax syntax = {.usage = "SHELL",
-                                  .help = "Prints the completions of sonopack for bash, zsh or fish.\v"
-                                          "An installation has them already. For a build tree:\n"
-                                          "\n"
-                                          "  source <(build/release/sonopack completion bash)\n"
-                                          "  source <(build/release/sonopack completion zsh)\n"
-                                          "  build/release/sonopack completion fish | source",
-                                  .options = options,
-                                  .kinds = shells,
-                                  .kind_name = "shell"};
+const cli_syntax cmd_completion_syntax = {.usage = "SHELL",
+                                          .help = "Prints the completions of sonopack for bash, zsh or fish.\v"
+                                                  "An installation has them already. For a build tree:\n"
+                                                  "\n"
+                                                  "  source <(build/release/sonopack completion bash)\n"
+                                                  "  source <(build/release/sonopack completion zsh)\n"
+                                                  "  build/release/sonopack completion fish | source",
+                                          .options = options,
+                                          .kinds = shells,
+                                          .kind_name = "shell"};
 
 /* Nothing in a file tells that it has completions, so none is replaced. */
 static sp_status write_text(const cli_common *common, const char *text, sp_error *err) {
@@ -288,6 +267,6 @@ int cmd_completion(int argc, char **argv) {
     sp_error err = {0};
     if (argc > 1 && strcmp(argv[1], "--words") == 0)
         return print_words(argc - 2, argv + 2);
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_completion_syntax, argc, argv, &a);
     return write_text(&a.common, scripts[a.common.kind], &err) == SP_OK ? CLI_OK : cli_fail(&err);
 }

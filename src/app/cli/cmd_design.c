@@ -1,7 +1,6 @@
 /* sonopack design: finds which grains to make heavier, stiffer or larger, and writes the packing of such grains. */
 #include "base/base.h"
 #include "cli/files.h"
-#include "cli/output.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -13,6 +12,7 @@ typedef struct arguments {
     const char *packing; /* file of the result */
     int rows;
     bool goal_given;
+    double limits[2]; /* NAN: not given, they depend on what is varied */
 } arguments;
 
 static const char *const goal_names[] = {
@@ -22,38 +22,24 @@ static const char *const vary_names[] = {
 enum { ROWS_STEPS = 0, ROWS_GRAINS };
 static const char *const row_names[] = {[ROWS_STEPS] = "steps", [ROWS_GRAINS] = "grains", NULL};
 
-/* Two numbers LOW:HIGH. */
-static sp_status read_pair(const char *option, const char *text, double *low, double *high, sp_error *err) {
-    char first[64] = "";
-    const char *colon = strchr(text, ':');
-    const size_t length = colon ? (size_t)(colon - text) : 0;
-    if (length == 0 || length >= sizeof first)
-        return sp_fail(err, SP_EINVAL, "%s %.60s: must be two numbers, LOW:HIGH", option, text);
-    memcpy(first, text, length);
-    sp_status status = cli_number(option, first, 0, 1e9, low, err);
-    return status == SP_OK ? cli_number(option, colon + 1, 0, 1e9, high, err) : status;
-}
-
 static sp_status set_goal(void *user, const char *text, sp_error *err) {
     arguments *a = user;
     char word[16] = "";
     const size_t length = strcspn(text, ":");
     int goal;
+    double band[2] = {a->o.band_low, a->o.band_high};
     if (length < sizeof word)
         memcpy(word, text, length);
     sp_status status = cli_choose("--goal", word, goal_names, &goal, err);
     if (status == SP_OK && (goal == SP_DESIGN_BAND) != (text[length] == ':'))
         status = sp_fail(err, SP_EINVAL, "--goal %.60s: must be delay, advance or band:W1:W2", text);
     if (status == SP_OK && goal == SP_DESIGN_BAND)
-        status = read_pair("--goal band:", text + length + 1, &a->o.band_low, &a->o.band_high, err);
+        status = cli_pair("--goal band:", text + length + 1, 0, 1e9, band, err);
+    a->o.band_low = band[0];
+    a->o.band_high = band[1];
     a->o.goal = (sp_design_goal)goal;
     a->goal_given = true;
     return status;
-}
-
-static sp_status set_limits(void *user, const char *text, sp_error *err) {
-    arguments *a = user;
-    return read_pair("--limits", text, &a->o.low, &a->o.high, err);
 }
 
 static sp_status check(void *user, sp_error *err) {
@@ -67,7 +53,8 @@ static const cli_option options[] = {
      .words = goal_names},
     {"vary", "mass|modulus|radius", "What of each grain is changed (mass)", CLI_CHOICE,
      .field = offsetof(arguments, o.vary), .words = vary_names},
-    {"limits", "LOW:HIGH", "Limits of the factor of each grain (0.5:2; radius: 0.98:1.02)", .parse = set_limits},
+    {"limits", "LOW:HIGH", "Limits of the factor of each grain (0.5:2; radius: 0.98:1.02)", CLI_PAIR,
+     .field = offsetof(arguments, limits), .high = 1e9},
     {"free", NULL, "The total mass, sum of moduli or volume need not be kept", CLI_FLAG,
      .field = offsetof(arguments, o.free)},
     {"packing", "FILE", "Write the packing of these grains, .h5 or .txt", CLI_TEXT,
@@ -84,68 +71,62 @@ static const cli_option options[] = {
      .field = offsetof(arguments, o.source), .words = cli_source_names},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_design_syntax = {
     .usage = "FILE",
     .help =
         "Which grains to make heavier, stiffer or larger so that the front arrives late or early, or little passes in "
         "a band of frequencies: by projected gradients, from exact derivatives.\v"
         "mass: masses do not enter the balance of forces, so that the packing at rest stays the same. modulus: the "
-        "stiffness of a contact follows by Hertz's law at the force that it has. radius: every candidate is compressed "
-        "again, from the best one so far. The total mass, the sum of moduli or, to first order, the volume of the "
-        "grains that "
-        "carry force is kept, unless --free is given.\n"
+        "stiffness of a contact follows by Hertz's law at the force that it has. radius: every candidate is "
+        "compressed again, from the best one so far. The total mass, the sum of moduli or, to first order, the volume "
+        "of the grains that carry force is kept, unless --free is given.\n"
         "\n"
-        "The first row is the packing as it is. predicted: what the gradient of the step before promises for this one, "
-        "by the logarithm of the value. energy: over that of the packing as it is. at_limit: number of grains whose "
-        "factor is at a limit. t10_err and energy_err are "
-        "numerical. factor: by what the mass, modulus or radius of the grain is multiplied. The comments give the "
-        "ratio of the last value to the first one, the ratio that "
-        "the first gradient promises for the best factors within the limits (linear_predicted_ratio), and the one that "
-        "these factors really have (linear_ratio). effective: number of grains that share the first gradient. The "
-        "result is a local optimum; others may be better.",
-    .finds_material = true,
+        "The first row is the packing as it is. predicted: what the gradient of the step before promises for this "
+        "one, by the logarithm of the value. energy: over that of the packing as it is. at_limit: number of grains "
+        "whose factor is at a limit. t10_err and energy_err are numerical. factor: by what the mass, modulus or "
+        "radius of the grain is multiplied. The comments give the ratio of the last value to the first one, the ratio "
+        "that the first gradient promises for the best factors within the limits (linear_predicted_ratio), and the "
+        "one that these factors really have (linear_ratio). effective: number of grains that share the first "
+        "gradient. The result is a local optimum; others may be better.",
+    CLI_ONE_PACKING,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = 1,
     .springs = true,
     .check = check};
 
 static bool is_band(const arguments *a) { return a->o.goal == SP_DESIGN_BAND; }
 
-static sp_status begin(void *user, sp_table *t, sp_error *err) {
+static sp_status begin(void *user, cli_writer *w) {
     const arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
     if (a->packing) {
         const bool text = cli_has_ending(a->packing, ".txt");
         if (!text && !cli_is_hdf5(a->packing))
-            return sp_fail(err, SP_EINVAL, "--packing %.200s: must end in .h5 or .txt", a->packing);
-        sp_status status = cli_may_write(&a->common, a->packing, err);
+            return sp_fail(w->err, SP_EINVAL, "--packing %.200s: must end in .h5 or .txt", a->packing);
+        sp_status status = cli_may_write(&a->common, a->packing, w->err);
         if (status != SP_OK)
             return status;
     }
     if (a->rows == ROWS_GRAINS) {
-        cli_columns(&w, SP_COLUMN_INTEGER, "grain", "", NULL);
-        cli_columns(&w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "r", "d", "factor", "", NULL);
-        return w.status;
+        cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "r", "d", "factor", "", NULL);
+        return w->status;
     }
     const char *const name = is_band(a) ? "energy" : "t10", *const unit = is_band(a) ? "" : "d/sqrt(E* / rho)";
-    cli_columns(&w, SP_COLUMN_INTEGER, "step", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, name, unit, is_band(a) ? "energy_err" : "t10_err", unit, "predicted", unit, NULL);
-    cli_columns(&w, SP_COLUMN_INTEGER, "at_limit", "", NULL);
-    return w.status;
+    cli_columns(w, SP_COLUMN_INTEGER, "step", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, name, unit, is_band(a) ? "energy_err" : "t10_err", unit, "predicted", unit, NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "at_limit", "", NULL);
+    return w->status;
 }
 
-static sp_status add_rows(const arguments *a, const sp_design *d, sp_table *t, sp_error *err) {
+static sp_status add_rows(const arguments *a, const sp_design *d, cli_writer *w) {
     const sp_packing *p = &d->packing;
     sp_status status = SP_OK;
     for (int32_t i = 0; i < d->n && a->rows == ROWS_GRAINS && status == SP_OK; i++) {
         const double *x = p->x + 3 * (size_t)i;
-        status = sp_table_add_row(t, err, (int64_t)i, x[0], x[1], x[2], p->r[i], d->factor[i]);
+        status = cli_row(w, (int64_t)i, x[0], x[1], x[2], p->r[i], d->factor[i]);
     }
     for (int32_t k = 0; k < d->steps && a->rows == ROWS_STEPS && status == SP_OK; k++) {
         const sp_design_step *s = &d->step[k];
-        status = sp_table_add_row(t, err, (int64_t)k, s->value, s->error, s->predicted, s->bound);
+        status = cli_row(w, (int64_t)k, s->value, s->error, s->predicted, s->bound);
     }
     return status;
 }
@@ -169,28 +150,24 @@ static void add_comments(const arguments *a, const cli_file *file, const sp_desi
     cli_comment(w, "linear_ratio = %.6g", d->linear / first->value);
 }
 
-static sp_status design(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status design(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     sp_design d = sp_design_none();
-    cli_writer w = {.table = t, .err = err};
     a->o.network = file->scene->network;
     a->o.threads = a->common.threads;
-    if (isnan(a->o.low)) {
-        a->o.low = a->o.vary == SP_DESIGN_RADIUS ? 0.98 : 0.5;
-        a->o.high = a->o.vary == SP_DESIGN_RADIUS ? 1.02 : 2;
-    }
-    sp_status status = cli_need_walls(&file->packing, "a front", err);
-    if (status == SP_OK)
-        status = sp_design_make(&file->packing, &a->o, &d, err);
+    const bool given = !isnan(a->limits[0]), radius = a->o.vary == SP_DESIGN_RADIUS;
+    a->o.low = given ? a->limits[0] : radius ? 0.98 : 0.5;
+    a->o.high = given ? a->limits[1] : radius ? 1.02 : 2;
+    sp_status status = cli_need_walls(&file->packing, "a front", w->err);
+    CLI_THEN(status, sp_design_make(&file->packing, &a->o, &d, w->err));
     if (status == SP_OK) {
-        add_comments(a, file, &d, &w);
-        status = w.status;
+        add_comments(a, file, &d, w);
+        status = w->status;
     }
-    if (status == SP_OK)
-        status = add_rows(a, &d, t, err);
+    CLI_THEN(status, add_rows(a, &d, w));
     if (status == SP_OK && a->packing)
-        status = cli_has_ending(a->packing, ".txt") ? sp_packing_save_text(&d.packing, a->packing, err)
-                                                    : sp_packing_save(&d.packing, a->packing, err);
+        status = cli_has_ending(a->packing, ".txt") ? sp_packing_save_text(&d.packing, a->packing, w->err)
+                                                    : sp_packing_save(&d.packing, a->packing, w->err);
     sp_design_free(&d);
     return status;
 }
@@ -198,9 +175,8 @@ static sp_status design(void *user, cli_file *file, sp_table *t, sp_error *err) 
 int cmd_design(int argc, char **argv) {
     static const cli_files command = {
         .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = design};
-    arguments a = {.o = sp_design_options_default()};
+    arguments a = {.o = sp_design_options_default(), .limits = {NAN, NAN}};
     a.o.iterations = 50;
-    a.o.low = a.o.high = NAN; /* they depend on what is varied */
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_design_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

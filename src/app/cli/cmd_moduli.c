@@ -79,11 +79,11 @@ static const cli_option options[] = {
      .parse = add_strain},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_moduli_syntax = {
     .usage = "FILE...",
     .help =
-        "Elastic moduli of packings from an imposed homogeneous strain, in which the contact points on the walls "
-        "take part. A chain has only C22.\v"
+        "Elastic moduli of packings from an imposed homogeneous strain, in which the contact points on the walls take "
+        "part. A chain has only C22.\v"
         "In two dimensions axis 1 is along the walls and axis 2 points from wall to wall; c_l = sqrt(C22/Phi3*) and "
         "c_t = sqrt(C33/Phi3*), where Phi3* is the volume fraction without rattlers, away from the walls. In three "
         "dimensions axes 1 and 2 are along the walls and axis 3 points from wall to wall; C44, C55 and C66 are the "
@@ -91,30 +91,25 @@ static const cli_syntax syntax = {
         "c_t are nan without friction, because a smooth wall cannot shear; --probe sine:1 can. c_l and c_t are nan "
         "where the packing is too low to have a bulk (see --margin). With --probe the table has apparent moduli on "
         "smaller scales, and their ratios to those of the global strain. With --strain it has changes of stress "
-        "divided by the strain, for packings that are brought back to equilibrium, and counts the contacts that "
-        "slide or open. --set takes keys of the group network.\n"
+        "divided by the strain, for packings that are brought back to equilibrium, and counts the contacts that slide "
+        "or open. --set takes keys of the group network.\n"
         "\n"
-        "A periodic cell is strained itself, and a box by all of its walls; read \"along the up axis\" for \"from wall "
-        "to "
-        "wall\". Their tables have further columns: the rest of the stiffness tensor in Voigt's notation (in two "
-        "dimensions 3 is the shear, so C13 and C23 couple it to the axes), the bulk modulus K and the shear modulus G "
-        "of its isotropic part (Voigt's averages), the anisotropy |C - isotropic part|/|C|, and bounds of the errors: "
-        "K_err, G_err, anisotropy_err, and C_err of all components.",
-    .finds_material = true,
+        "A periodic cell is strained itself, and a box by all of its walls; read \"along the up axis\" for \"from "
+        "wall to wall\". Their tables have further columns: the rest of the stiffness tensor in Voigt's notation (in "
+        "two dimensions 3 is the shear, so C13 and C23 couple it to the axes), the bulk modulus K and the shear "
+        "modulus G of its isotropic part (Voigt's averages), the anisotropy |C - isotropic part|/|C|, and bounds of "
+        "the errors: K_err, G_err, anisotropy_err, and C_err of all components.",
+    CLI_PACKINGS,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = CLI_ANY_NUMBER,
     .springs = true,
     .check = check};
 
 /* Whether the walls cannot shear the packing, so that its shear moduli are nan. */
 static bool no_shear(int dim, const sp_moduli *m) { return dim > 1 && isnan(dim == 3 ? m->c55 : m->c33); }
 
-/* Moduli of a packing of this dimension. */
 static const char *moduli_of(int dim) { return dim == 3 ? "C11 C12 C13 C22 C23 C33 C44 C55 C66" : "C11 C12 C22 C33"; }
 
-/* ---- of an imposed strain --------------------------------------------------------------------------------------- */
+/* ---- of an imposed strain ---------------------------------------------------------------------------------------- */
 
 /* Notes which strains the network does not resist, or even helps. */
 static void explain_mechanisms(const arguments *a, const char *path, const sp_moduli *m) {
@@ -180,8 +175,7 @@ static void global_row(const arguments *a, const cli_file *file, cli_writer *w) 
     sp_moduli m;
     sp_elasticity whole;
     w->status = sp_packing_density(&file->packing, file->scene->network.threshold, a->margin, &density, w->err);
-    if (w->status == SP_OK)
-        w->status = sp_elasticity_make(&file->network, density, &m, &whole, w->err);
+    CLI_THEN(w->status, sp_elasticity_make(&file->network, density, &m, &whole, w->err));
     if (w->status != SP_OK)
         return;
     explain(a, file, density, &m);
@@ -196,7 +190,6 @@ static void global_row(const arguments *a, const cli_file *file, cli_writer *w) 
 
 /* ---- --probe: apparent moduli on smaller scales ------------------------------------------------------------------ */
 
-/* Notes of one probe. */
 static void explain_probe(const arguments *a, const cli_file *file, const char *name, const sp_probe_moduli *m) {
     if (file->packing.dim > 1 && isnan(m->shear))
         cli_note(&a->common, "%s: %s of %s is nan: grains slip along a wall without friction", file->path,
@@ -331,35 +324,32 @@ static sp_status check_alike(const arguments *a, int dim, bool whole, sp_error *
     return SP_OK;
 }
 
-/* Adds the rows of one packing. */
-static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
     const int dim = file->packing.dim;
     const bool whole = dim > 1 && file->packing.cell != SP_CELL_PISTON;
     sp_statics s;
-    w.status = sp_statics_make(&file->packing, file->scene->network.threshold, a->margin, &s, err);
-    if (w.status == SP_OK)
-        w.status = check_alike(a, dim, whole, err);
-    if (w.status == SP_OK && a->dim == 0) {
+    w->status = sp_statics_make(&file->packing, file->scene->network.threshold, a->margin, &s, w->err);
+    CLI_THEN(w->status, check_alike(a, dim, whole, w->err));
+    if (w->status == SP_OK && a->dim == 0) {
         a->whole = whole;
         a->dim = dim;
-        add_columns(a, dim, &w);
+        add_columns(a, dim, w);
     }
-    if (w.status != SP_OK)
-        return w.status;
+    if (w->status != SP_OK)
+        return w->status;
     if (a->strains > 0)
-        strained_rows(a, file, &w);
+        strained_rows(a, file, w);
     else if (has_probes(a))
-        probe_rows(a, file, s.phi3s, &w);
+        probe_rows(a, file, s.phi3s, w);
     else
-        global_row(a, file, &w);
-    return w.status;
+        global_row(a, file, w);
+    return w->status;
 }
 
 int cmd_moduli(int argc, char **argv) {
     static const cli_files command = {.groups = "network", .contents = CLI_NETWORK, .add = add_rows};
     arguments a = {.margin = 3};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_moduli_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

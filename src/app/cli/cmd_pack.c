@@ -1,16 +1,121 @@
 /* sonopack pack: compresses one packing of a scene and saves it. */
 #include "base/base.h"
 #include "base/file.h"
-#include "cli/dry_run.h"
-#include "cli/low_box.h"
-#include "cli/output.h"
-#include "cli/pack_state.h"
+#include "cli/files.h"
 #include "cost/remaining.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
+
+typedef struct pack_state {
+    const cli_common *common;
+    char path[SP_PATH_MAX];   /* "": no state is saved */
+    double every, written_at; /* seconds between two writes, and the clock at the last one */
+    bool due;                 /* the next state is written at once */
+    char *found;              /* the state at the start, which the compression continues; or NULL */
+    size_t found_size;
+    char *last; /* the last state that has not been written */
+    size_t last_size, last_capacity;
+    bool kept; /* the file has a state of this compression */
+} pack_state;
+
+static sp_status find_state(pack_state *s, const sp_pack_spec *spec, sp_error *err) {
+    struct stat info;
+    if (stat(s->path, &info) != 0)
+        return SP_OK;
+    char *data = NULL;
+    size_t size = 0;
+    int64_t steps = 0;
+    sp_error reason = {0};
+    sp_status status = S_ISREG(info.st_mode) ? sp_file_read(s->path, &data, &size, err) : SP_OK;
+    if (status != SP_OK)
+        return status;
+    if (!data || !sp_pack_is_state(data, size)) {
+        sp_free(data);
+        return sp_fail(err, SP_EINVAL,
+                       "%s: the state of the compression belongs in this file, which is something else and is not "
+                       "replaced: choose another name for -o",
+                       s->path);
+    }
+    if (sp_pack_state_check(spec, data, size, &steps, &reason) == SP_OK) {
+        cli_note(s->common, "continues from step %lld, saved in %s", (long long)steps, s->path);
+        s->found = data;
+        s->found_size = size;
+        s->kept = true;
+        return SP_OK;
+    }
+    cli_note(s->common, "%s is not used: %s", s->path, reason.text);
+    sp_free(data);
+    return SP_OK;
+}
+
+/* Looks for the state of an earlier, equal command. */
+static sp_status pack_state_open(const cli_common *common, const sp_pack_spec *spec, double every, pack_state *out,
+                                 sp_error *err) {
+    pack_state s = {.common = common, .every = every, .written_at = sp_clock_wall()};
+    struct stat info;
+    if (stat(common->output, &info) != 0 || S_ISREG(info.st_mode)) { /* not for a device or a pipe */
+        const int length = snprintf(s.path, sizeof s.path, "%s.state", common->output);
+        if (length < 0 || (size_t)length >= sizeof s.path)
+            return sp_fail(err, SP_EINVAL, "-o: the file name has %d bytes, must have fewer than %d", length - 6,
+                           SP_PATH_MAX - 6);
+    }
+    sp_status status = s.path[0] ? find_state(&s, spec, err) : SP_OK;
+    if (status == SP_OK)
+        *out = s;
+    return status;
+}
+
+static sp_status write_now(pack_state *s, const void *state, size_t size, sp_error *err) {
+    sp_status status = sp_file_write(s->path, state, size, err);
+    s->written_at = sp_clock_wall();
+    s->due = false;
+    s->kept = s->kept || status == SP_OK;
+    s->last_size = 0;
+    return status;
+}
+
+/* Takes the present state, and writes it if it is time to. */
+static sp_status pack_state_update(pack_state *s, const void *state, size_t size, sp_error *err) {
+    if (!s->path[0])
+        return SP_OK;
+    if (s->due || sp_clock_wall() - s->written_at >= s->every)
+        return write_now(s, state, size, err);
+    if (size > s->last_capacity) {
+        sp_free(s->last);
+        s->last_capacity = size + size / 4;
+        s->last = sp_alloc(s->last_capacity, 1);
+        if (!s->last) {
+            s->last_capacity = s->last_size = 0;
+            return sp_fail_memory(err, size);
+        }
+    }
+    memcpy(s->last, state, size);
+    s->last_size = size;
+    return SP_OK;
+}
+
+/* Whether the compression can be stopped without loss: a state can be written, or none is to be saved. */
+static bool pack_state_is_safe(const pack_state *s) { return !s->path[0] || s->kept || s->last_size > 0; }
+
+/* Writes the last state after the compression was stopped. */
+static sp_status pack_state_flush(pack_state *s, sp_error *err) {
+    return s->last_size > 0 ? write_now(s, s->last, s->last_size, err) : SP_OK;
+}
+
+static void pack_state_remove(pack_state *s) {
+    if (s->path[0])
+        unlink(s->path);
+}
+
+static void pack_state_free(pack_state *s) {
+    sp_free(s->found);
+    sp_free(s->last);
+    *s = (pack_state){0};
+}
 
 /* What of LAMMPS the command line gives; the package's program reads it (python/sonopack/formats/engine.py). */
 typedef struct pack_engine {
@@ -60,16 +165,16 @@ static const cli_option options[] = {
      .field = offsetof(arguments, engine.collect)},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_pack_syntax = {
     .usage = "[SCENE] -o FILE\n"
              "[SCENE] --engine lammps --prepare DIR\n"
              "--engine lammps --collect DIR -o FILE",
     .help =
         "Compresses one packing of a scene, saves it, and prints a summary.\v"
         "FILE ends in .h5 (HDF5) or .txt (text). Without SCENE all keys have their defaults, except those of --set. A "
-        "warning says before the work if the box will be lower than 6 diameters. "
-        "If the compression is interrupted, the same command continues it: the state is kept in FILE.state. With "
-        "packing.history the packing at each of its pressures is saved beside FILE (P.stage1.h5).\n"
+        "warning says before the work if the box will be lower than 6 diameters. If the compression is interrupted, "
+        "the same command continues it: the state is kept in FILE.state. With packing.history the packing at each of "
+        "its pressures is saved beside FILE (P.stage1.h5).\n"
         "\n"
         "  sonopack pack packings/single.cfg --seed 7 -o P.h5\n"
         "  sonopack pack --set packing.grains=200 --set packing.pressure=1e-5 -o P.txt\n"
@@ -77,8 +182,7 @@ static const cli_syntax syntax = {
         "  sonopack pack --dry-run packings/spheres.cfg -o P.h5\n"
         "\n"
         "With --engine lammps the grains are compressed by LAMMPS (pair_style granular), for packings that need more "
-        "than "
-        "one machine, and come to rest here. Its files are in FILE.lammps, and stay there if something fails.",
+        "than one machine, and come to rest here. Its files are in FILE.lammps, and stay there if something fails.",
     .options = options,
     .file_name = "scene",
     .files_max = 1,
@@ -173,8 +277,7 @@ static sp_status save_stage(const sp_packing *stage, int32_t index, void *user, 
     if (!p.scene)
         return sp_fail_memory(err, 1024);
     sp_status status = stage_path(c->arguments->common.output, index, path, err);
-    if (status == SP_OK)
-        status = save_packing(&p, path, err);
+    CLI_THEN(status, save_packing(&p, path, err));
     sp_free(p.scene);
     c->state.due = true; /* else the same command would find this file in its way */
     return status;
@@ -187,35 +290,28 @@ static sp_status may_write_stages(const compression *c, sp_error *err) {
     for (int32_t k = 0; k < c->scene->pack.history_count && status == SP_OK; k++) {
         char path[SP_PATH_MAX];
         status = stage_path(common.output, k, path, err);
-        if (status == SP_OK)
-            status = cli_may_write(&common, path, err);
+        CLI_THEN(status, cli_may_write(&common, path, err));
     }
     return status;
 }
 
-/* Prints the summary on stdout: -o is the file of the packing. */
 static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_packing *p, sp_error *err) {
-    cli_common print = a->common;
-    print.output = NULL;
     sp_table t = sp_table_none();
     sp_statics statics;
     int32_t rattlers = 0;
     const double threshold = scene->network.threshold;
     cli_writer w = {.table = &t, .err = err};
     w.status = sp_packing_rattlers(p, threshold, NULL, NULL, &rattlers, err);
-    if (w.status == SP_OK)
-        w.status = sp_statics_make(p, threshold, 3, &statics, err);
+    CLI_THEN(w.status, sp_statics_make(p, threshold, 3, &statics, err));
     cli_columns(&w, SP_COLUMN_INTEGER, "grains", "", NULL);
     cli_columns(&w, SP_COLUMN_NUMBER, "height", "d", "p", "E*", "z_star", "", NULL);
     cli_columns(&w, SP_COLUMN_INTEGER, "rattlers", "", NULL);
     cli_columns(&w, SP_COLUMN_NUMBER, "residual", "E* / (rho d)", NULL);
     cli_columns(&w, SP_COLUMN_INTEGER, "steps", "", NULL);
     cli_columns(&w, SP_COLUMN_NUMBER, "seconds", "s", NULL);
-    if (w.status == SP_OK)
-        w.status = sp_table_add_row(&t, err, (int64_t)p->n, sp_packing_height(p), p->pressure, statics.zs,
-                                    (int64_t)rattlers, p->residual, p->steps, p->seconds);
-    if (w.status == SP_OK)
-        w.status = cli_write_table(&print, &t, err);
+    CLI_THEN(w.status, sp_table_add_row(&t, err, (int64_t)p->n, sp_packing_height(p), p->pressure, statics.zs,
+                                        (int64_t)rattlers, p->residual, p->steps, p->seconds));
+    CLI_THEN(w.status, cli_write_table_to(&a->common, NULL, &t, err));
     sp_table_free(&t);
     return w.status;
 }
@@ -254,12 +350,9 @@ static sp_status compress(compression *c, const sp_packing *from, sp_packing *p,
 static sp_status make_and_save(compression *c, const sp_packing *from, sp_packing *p, sp_error *err) {
     const arguments *a = c->arguments;
     sp_status status = pack_state_open(&a->common, &c->scene->pack, a->every, &c->state, err);
-    if (status == SP_OK)
-        status = may_write_stages(c, err);
-    if (status == SP_OK)
-        status = compress(c, from, p, err);
-    if (status == SP_OK)
-        status = save_packing(p, a->common.output, err);
+    CLI_THEN(status, may_write_stages(c, err));
+    CLI_THEN(status, compress(c, from, p, err));
+    CLI_THEN(status, save_packing(p, a->common.output, err));
     if (status == SP_OK)
         pack_state_remove(&c->state);
     pack_state_free(&c->state);
@@ -288,7 +381,7 @@ static sp_status plan(const arguments *a, const sp_scene *scene, sp_error *err) 
     return status;
 }
 
-/* ---- all together ----------------------------------------------------------------------------------------------- */
+/* ---- all together ------------------------------------------------------------------------------------------------ */
 
 static sp_status may_write_output(const arguments *a, sp_error *err) {
     const char *path = a->common.output;
@@ -302,8 +395,7 @@ static sp_status may_write_output(const arguments *a, sp_error *err) {
 static sp_status read_scene(arguments *a, sp_scene *scene, sp_error *err) {
     const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
     sp_status status = cli_read_scene(&a->common, path, scene, err);
-    if (status == SP_OK)
-        status = cli_set_scene(&a->common, scene, err);
+    CLI_THEN(status, cli_set_scene(&a->common, scene, err));
     return status == SP_OK ? sp_scene_resolve(scene, err) : status;
 }
 
@@ -316,8 +408,7 @@ static sp_status make(arguments *a, sp_scene *scene, const sp_packing *from, sp_
 
 static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
     sp_status status = may_write_output(a, err);
-    if (status == SP_OK)
-        status = read_scene(a, scene, err);
+    CLI_THEN(status, read_scene(a, scene, err));
     if (status != SP_OK)
         return status;
     if (scene->sweeps > 0)
@@ -325,20 +416,19 @@ static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *er
     sp_packing from = sp_packing_none();
     if (scene->pack.kind == SP_PACK_FILE)
         status = cli_load_start(scene, &from, err);
-    if (status == SP_OK)
-        status = cli_take_material(a, &scene->material, a->common.files > 0 ? a->common.file[0] : "the scene", err);
+    CLI_THEN(status,
+             cli_take_material(a, &scene->material, a->common.files > 0 ? a->common.file[0] : "the scene", err));
     cli_note_material(&a->common, scene);
     if (status == SP_OK)
         cli_warn_low_box(&a->common, &scene->pack);
-    if (status == SP_OK)
-        status = make(a, scene, &from, p, err);
+    CLI_THEN(status, make(a, scene, &from, p, err));
     sp_packing_free(&from);
     return status == SP_OK && !a->common.dry_run ? summarise(a, scene, p, err) : status;
 }
 
 int cmd_pack(int argc, char **argv) {
     arguments a = {.every = 10};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_pack_syntax, argc, argv, &a);
     if (a.engine.lammps) {
         char name[] = "sonopack pack-lammps";
         argv[0] = name;

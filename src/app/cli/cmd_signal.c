@@ -21,10 +21,6 @@ typedef struct arguments {
     cli_pulse pulse;
 } arguments;
 
-static sp_status set_pulse(void *user, const char *word, sp_error *err) {
-    return cli_pulse_parse(word, &((arguments *)user)->pulse, err);
-}
-
 /* KIND or KIND:PLACE. */
 static sp_status set_source(void *user, const char *word, sp_error *err) {
     arguments *a = user;
@@ -40,11 +36,7 @@ static sp_status set_source(void *user, const char *word, sp_error *err) {
     if (status != SP_OK)
         return status;
     a->source = source;
-    return word[length] ? cli_places_add(&a->sources, "--source", word + length + 1, err) : SP_OK;
-}
-
-static sp_status add_source(void *user, const char *word, sp_error *err) {
-    return cli_places_add(&((arguments *)user)->sources, "--from", word, err);
+    return word[length] ? cli_places_add(&a->sources, word + length + 1, err) : SP_OK;
 }
 
 static sp_status set_damping(void *scene, const char *word, sp_error *err) {
@@ -57,10 +49,6 @@ static sp_status set_damping(void *scene, const char *word, sp_error *err) {
     return status;
 }
 
-static sp_status add_detector(void *user, const char *word, sp_error *err) {
-    return cli_places_add(&((arguments *)user)->detectors, "--detector", word, err);
-}
-
 static const cli_option options[] = {
     {"until", "T", "Last time [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6), after the first front)", CLI_NUMBER,
      .scene = true, .field = offsetof(sp_scene, signal.until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
@@ -70,7 +58,7 @@ static const cli_option options[] = {
     {"pulse", "PULSE",
      "Strength of the source against time: delta, gauss:WIDTH, ricker:OMEGA, sine:OMEGA:CYCLES, square:WIDTH or "
      "file:PATH (delta)",
-     .parse = set_pulse},
+     .parse = cli_pulse_parse, .field = offsetof(arguments, pulse)},
     {"tolerance", "EPS", "Largest error, relative to the largest |F| (1e-10; dynamics: 1e-3)", CLI_NUMBER,
      .scene = true, .key = "signal.tolerance"},
     {"modes", "K",
@@ -94,8 +82,10 @@ static const cli_option options[] = {
      "What the source imposes on a grain at the bottom wall, in proportion to the stiffness of its contact: impulse, "
      "velocity or displacement (impulse)",
      .parse = set_source, .words = cli_source_names},
-    {"from", "PLACE", "Source at bottom, part:X0:X1, plane:Y or grain:I (bottom); repeatable", .parse = add_source},
-    {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top); repeatable", .parse = add_detector},
+    {"from", "PLACE", "Source at bottom, part:X0:X1, plane:Y or grain:I (bottom); repeatable", .parse = cli_places_add,
+     .field = offsetof(arguments, sources)},
+    {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top); repeatable", .parse = cli_places_add,
+     .field = offsetof(arguments, detectors)},
     {"component", "normal|shear", "Component at every PLACE without :normal or :shear at its end (normal)", CLI_CHOICE,
      .field = offsetof(arguments, component), .words = cli_component_names},
     {"planes", "N", "Detectors at N planes that divide the height into equal layers", CLI_INTEGER,
@@ -104,41 +94,36 @@ static const cli_option options[] = {
     CLI_DRY_RUN,
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_signal_syntax = {
     .usage = "FILE",
     .help =
         "Force on the top wall, minus its value at rest, after a short pulse at the bottom wall, from the linear "
         "equation of motion between fixed walls.\v"
         "The columns t and F are the response to a pulse of unit strength. Comments give the height, the pressure, "
         "the method, and a bound for the error of F (with dynamics and with --pulse an estimate, error_kind). The "
-        "command fails rather than exceed the tolerance. --set takes "
-        "keys of the groups network and signal. -o FILE.sac and FILE.slist write for SAC and ObsPy, FILE.mat for "
-        "MATLAB "
-        "and Octave.\n"
+        "command fails rather than exceed the tolerance. --set takes keys of the groups network and signal. -o "
+        "FILE.sac and FILE.slist write for SAC and ObsPy, FILE.mat for MATLAB and Octave.\n"
         "\n"
         "With several sources or detectors there is a column F1, F2, ... for each pair, explained by a comment. A "
-        "plane measures the momentum flux through it. part:X0:X1 consists of the grains at the wall whose centres "
-        "are at X0 <= x < X1. grain:I (from 0) is measured by its contact with the wall, or by the net force on it "
-        "if it does not touch the wall. As a source a plane gives unit momentum (impulse), velocity or displacement to "
-        "each grain whose centre is within half a mean diameter of it, and grain:I to a grain that does not touch the "
+        "plane measures the momentum flux through it. part:X0:X1 consists of the grains at the wall whose centres are "
+        "at X0 <= x < X1. grain:I (from 0) is measured by its contact with the wall, or by the net force on it if it "
+        "does not touch the wall. As a source a plane gives unit momentum (impulse), velocity or displacement to each "
+        "grain whose centre is within half a mean diameter of it, and grain:I to a grain that does not touch the "
         "wall.\n"
         "\n"
         "A periodic cell has no walls: give --from and --detector as plane:Y or grain:I. A pulse then travels both up "
         "and down from its plane, and meets itself after a period.\n"
         "\n"
-        "Methods: chebyshev (polynomial expansion with matrix products), dense (sum over all modes), sparse (sum "
-        "over the lowest modes, as many as the tolerance needs), verlet and lax-wendroff (time steps of second and "
-        "fourth order), faber (polynomial expansion with damping), dynamics (nonlinear motion of the packing), auto "
-        "(the fastest of the linear methods).\n"
+        "Methods: chebyshev (polynomial expansion with matrix products), dense (sum over all modes), sparse (sum over "
+        "the lowest modes, as many as the tolerance needs), verlet and lax-wendroff (time steps of second and fourth "
+        "order), faber (polynomial expansion with damping), dynamics (nonlinear motion of the packing), auto (the "
+        "fastest of the linear methods).\n"
         "\n"
         "Pulses: gauss (standard deviation WIDTH) and square have unit integral; ricker and sine (under a Hann "
         "window) have the angular frequency OMEGA and the amplitude 1. gauss and ricker are centred at t = 0. A file "
         "has columns of times and strengths, which are interpolated linearly.",
-    .finds_material = true,
+    CLI_ONE_PACKING,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = 1,
     .springs = true};
 
 /* The scene's options, with what depends on the packing. */
@@ -147,9 +132,9 @@ static sp_status set_options(arguments *a, const sp_scene *scene, const sp_packi
     sp_signal_options o = scene->signal;
     if (o.solver != SP_SOLVER_AUTO && o.method != SP_SIGNAL_SPARSE)
         return sp_fail(err, SP_EINVAL, "--solver: applies only to --method sparse");
-    if (cli_given(&syntax, &a->common, "amplitude") && o.method != SP_SIGNAL_DYNAMICS)
+    if (cli_given(&cmd_signal_syntax, &a->common, "amplitude") && o.method != SP_SIGNAL_DYNAMICS)
         return sp_fail(err, SP_EINVAL, "--amplitude: applies only to --method dynamics, the other signals are linear");
-    if (o.method == SP_SIGNAL_DYNAMICS && !cli_given(&syntax, &a->common, "tolerance"))
+    if (o.method == SP_SIGNAL_DYNAMICS && !cli_given(&cmd_signal_syntax, &a->common, "tolerance"))
         o.tolerance = fmax(o.tolerance, DYNAMICS_TOLERANCE);
     if (a->source != NOT_GIVEN)
         o.source = (sp_source)a->source;
@@ -187,22 +172,22 @@ static void name_columns(const arguments *a, const sp_signal *s, cli_writer *w) 
     }
 }
 
-static sp_status add_rows(const sp_signal *s, sp_table *t, sp_error *err) {
+static sp_status add_rows(const sp_signal *s, cli_writer *w) {
     const int32_t pairs = s->sources * s->detectors;
     double *row = sp_alloc(1 + (size_t)pairs, sizeof *row);
-    sp_status status = row ? SP_OK : sp_fail_memory(err, (1 + (size_t)pairs) * sizeof *row);
+    sp_status status = row ? SP_OK : sp_fail_memory(w->err, (1 + (size_t)pairs) * sizeof *row);
     for (int32_t l = 0; l < s->n && status == SP_OK; l++) {
         row[0] = s->t[l];
         for (int32_t k = 0; k < pairs; k++)
             row[1 + k] = s->f[(int64_t)k * s->n + l];
-        status = sp_table_add_numbers(t, row, err);
+        status = sp_table_add_numbers(w->table, row, w->err);
     }
     sp_free(row);
     return status;
 }
 
 static sp_status add_signal(const arguments *a, const cli_file *file, const sp_signal_options *o, const sp_signal *s,
-                            sp_table *t, sp_error *err) {
+                            cli_writer *w) {
     const struct {
         const char *key;
         double value;
@@ -219,32 +204,28 @@ static sp_status add_signal(const arguments *a, const cli_file *file, const sp_s
                     {"factor", s->amplitude},
                     {"modes", (double)s->modes}};
     enum { ALWAYS = 7 }; /* the first of them; the others belong to some methods */
-    cli_writer w = {.table = t, .err = err};
-    cli_comment(&w, "file = %s", file->path);
-    cli_comment(&w, "method = %s", sp_signal_method_name(s->method));
-    cli_comment(&w, "source = %s", cli_source_names[o->source]);
+    cli_comment(w, "file = %s", file->path);
+    cli_comment(w, "method = %s", sp_signal_method_name(s->method));
+    cli_comment(w, "source = %s", cli_source_names[o->source]);
     if (file->packing.dim == 3) /* heights are z then */
-        cli_comment(&w, "dimension = 3");
+        cli_comment(w, "dimension = 3");
     if (file->packing.cell != SP_CELL_PISTON)
-        cli_comment(&w, "cell = %s", sp_cell_names[file->packing.cell]);
+        cli_comment(w, "cell = %s", sp_cell_names[file->packing.cell]);
     if (a->pulse.word)
-        cli_comment(&w, "pulse = %s", a->pulse.word);
+        cli_comment(w, "pulse = %s", a->pulse.word);
     const sp_damping law = sp_signal_damping(o);
     for (size_t k = 0; k < sizeof comments / sizeof *comments; k++)
         if (strcmp(comments[k].key, "damping") == 0 && law.value > 0)
-            cli_damping_comment(&w, &law);
+            cli_damping_comment(w, &law);
         else if (k < ALWAYS || comments[k].value != 0)
-            cli_value(&w, comments[k].key, comments[k].value);
+            cli_value(w, comments[k].key, comments[k].value);
     if (s->method == SP_SIGNAL_DYNAMICS || a->pulse.word) /* else a bound */
-        cli_comment(&w, "error_kind = estimate");
-    name_columns(a, s, &w);
-    return w.status == SP_OK ? add_rows(s, t, err) : w.status;
+        cli_comment(w, "error_kind = estimate");
+    name_columns(a, s, w);
+    return w->status == SP_OK ? add_rows(s, w) : w->status;
 }
 
-static sp_status open_pulse(void *user, sp_table *t, sp_error *err) {
-    (void)t;
-    return cli_pulse_open(&((arguments *)user)->pulse, err);
-}
+static sp_status open_pulse(void *user, cli_writer *w) { return cli_pulse_open(&((arguments *)user)->pulse, w->err); }
 
 /* The options, and whether their table fits into memory: a value takes 8 bytes in the signal, twice that in the table
  * and about 24 in its text. */
@@ -260,16 +241,14 @@ static sp_status set_and_check(arguments *a, const cli_file *file, sp_signal_opt
                    o->points, pairs, 1e-9 * bytes, 1e-9 * most);
 }
 
-static sp_status compute(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status compute(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     sp_signal s = sp_signal_none();
     sp_signal_options o;
-    sp_status status = set_and_check(a, file, &o, err);
-    if (status == SP_OK)
-        status = a->pulse.word ? sp_signal_pulse(&file->network, &o, &a->pulse.pulse, &s, err)
-                               : sp_signal_compute(&file->packing, &file->network, &o, &s, err);
-    if (status == SP_OK)
-        status = add_signal(a, file, &o, &s, t, err);
+    sp_status status = set_and_check(a, file, &o, w->err);
+    CLI_THEN(status, a->pulse.word ? sp_signal_pulse(&file->network, &o, &a->pulse.pulse, &s, w->err)
+                                   : sp_signal_compute(&file->packing, &file->network, &o, &s, w->err));
+    CLI_THEN(status, add_signal(a, file, &o, &s, w));
     if (status == SP_OK)
         cli_debug(&a->common, "%s: %s, %d products, error %.3g", file->path, sp_signal_method_name(s.method),
                   s.products, s.error);
@@ -309,7 +288,7 @@ int cmd_signal(int argc, char **argv) {
                                       .kernels =
                                           1U << SP_KERNEL_STEP | 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_DENSE};
     arguments a = {.source = NOT_GIVEN, .sources = {.sources = true}};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_signal_syntax, argc, argv, &a);
     const int status = cli_run_files(&command, &a);
     cli_pulse_free(&a.pulse);
     return status;

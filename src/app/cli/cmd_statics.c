@@ -11,7 +11,7 @@ static const cli_option options[] = {{"margin", "D", "Leave out layers of this t
                                       CLI_NUMBER, .field = offsetof(arguments, margin), .high = 1e6, .unit = "d"},
                                      {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_statics_syntax = {
     .usage = "FILE...",
     .help =
         "Densities, contacts, forces and stress of packings, averaged over the bulk.\v"
@@ -24,22 +24,18 @@ static const cli_syntax syntax = {
         "nan means that the packing is too low to have a bulk (see --margin), or that the quantity is not defined "
         "(s32_over_s2 in two dimensions, mobilised without friction). --set network.threshold=T sets the smallest "
         "force of a contact.",
-    .finds_material = true,
-    .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = CLI_ANY_NUMBER};
+    CLI_PACKINGS,
+    .options = options};
 
 #define RATIOS "Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2 s12_over_s2 s32_over_s2 mobilised"
 #define TENSOR "s_xx s_yy s_zz s_yz s_xz s_xy"
 
-static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
-    cli_writer w = {.table = t, .err = err};
+static sp_status add_columns(void *user, cli_writer *w) {
     (void)user;
-    cli_columns(&w, SP_COLUMN_TEXT, "file", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "p", "E*", NULL);
-    cli_quantity_columns(&w, sp_statics_quantities, RATIOS);
-    return w.status;
+    cli_columns(w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "p", "E*", NULL);
+    cli_quantity_columns(w, sp_statics_quantities, RATIOS);
+    return w->status;
 }
 
 /* Under a piston the load gives the stress, and the ratios the rest. The first packing decides. */
@@ -54,24 +50,23 @@ static void add_stress(arguments *a, const cli_file *file, cli_writer *w) {
                  file->path);
 }
 
-static sp_status add_row(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_row(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
     sp_statics s;
-    w.status = sp_statics_make(&file->packing, file->scene->network.threshold, a->margin, &s, err);
-    if (w.status == SP_OK)
-        add_stress(a, file, &w);
-    cli_put_text(&w, file->path);
-    cli_put(&w, file->packing.pressure);
-    cli_put_quantities(&w, sp_statics_quantities, a->stress ? RATIOS " " TENSOR : RATIOS, &s);
-    cli_end_row(&w);
-    return w.status;
+    w->status = sp_statics_make(&file->packing, file->scene->network.threshold, a->margin, &s, w->err);
+    if (w->status == SP_OK)
+        add_stress(a, file, w);
+    cli_put_text(w, file->path);
+    cli_put(w, file->packing.pressure);
+    cli_put_quantities(w, sp_statics_quantities, a->stress ? RATIOS " " TENSOR : RATIOS, &s);
+    cli_end_row(w);
+    return w->status;
 }
 
 int cmd_statics(int argc, char **argv) {
     static const cli_files command = {
         .groups = "network", .contents = CLI_PACKING, .begin = add_columns, .add = add_row};
     arguments a = {.margin = 3};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_statics_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

@@ -1,10 +1,8 @@
 /* sonopack study: computes the samples of an ensemble, keeps them in a store, and prints its tables. */
 #include "base/base.h"
-#include "cli/output.h"
-#include "cli/plan_study.h"
+#include "cli/dry_run.h"
 #include "cli/ranks.h"
 #include "cli/tables.h"
-#include "cli/verify.h"
 #include "cost/remaining.h"
 #include "ensemble/sample.h"
 
@@ -77,7 +75,7 @@ static const cli_option options[] = {
     CLI_DRY_RUN,
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_study_syntax = {
     .usage = "[SCENE] --store DIR",
     .help =
         "Computes every sample of a scene that is not in the store yet, and prints the tables that the scene asks "
@@ -86,8 +84,8 @@ static const cli_syntax syntax = {
         "larger studies or further results reuse what is there. Several studies may share a store, and several "
         "processes may fill it at the same time. A blank line separates the tables; with -o FILE.tsv the first goes "
         "there, and the others to FILE-moduli.tsv and so on. If a key other than packing.pressure, packing.grains, "
-        "packing.height and packing.seed is swept, each of its values has tables of its own, from the second value "
-        "on in FILE-ctof-2.tsv, FILE-moduli-2.tsv and so on, with the value in a comment. (Of scaling and planes, "
+        "packing.height and packing.seed is swept, each of its values has tables of its own, from the second value on "
+        "in FILE-ctof-2.tsv, FILE-moduli-2.tsv and so on, with the value in a comment. (Of scaling and planes, "
         "packing.width and packing.friction are not among these keys; of spectrum, all keys but packing.seed are.)\n"
         "\n"
         "Samples that cannot be computed are recorded with the reason and counted in the tables; the exit status is "
@@ -99,8 +97,7 @@ static const cli_syntax syntax = {
         "name, is renamed to NAME.bad, and the next study computes the sample again. All that follows from scene and "
         "packing is computed again, --jobs samples at a time, and compared within its errors: this takes as long as "
         "the study without its packings. A false number is named with what it must be, and its file stays. The exit "
-        "status is 1 "
-        "if any file fails.\n"
+        "status is 1 if any file fails.\n"
         "\n"
         "  sonopack study packings/ctof-quick.cfg --store results/quick\n"
         "  sonopack study big.cfg --store results/big --shard 3/16 --jobs 1\n"
@@ -110,18 +107,14 @@ static const cli_syntax syntax = {
     .files_max = 1,
     .check = check};
 
-/* The tables of study.want, in their usual order. */
+/* The tables of study.want, in the order of cli_table_names. */
 static cli_tables tables_of(const cli_common *common, const sp_scene *scene) {
-    static const struct {
-        unsigned want;
-        const char *name;
-    } all[] = {{SP_WANT_CTOF, "ctof"},        {SP_WANT_SCALING, "scaling"}, {SP_WANT_PLANES, "planes"},
-               {SP_WANT_STATICS, "statics"},  {SP_WANT_MODULI, "moduli"},   {SP_WANT_PROBES, "probes"},
-               {SP_WANT_SPECTRUM, "spectrum"}};
+    static const unsigned want[] = {SP_WANT_CTOF,   SP_WANT_SCALING, SP_WANT_PLANES,  SP_WANT_STATICS,
+                                    SP_WANT_MODULI, SP_WANT_PROBES,  SP_WANT_SPECTRUM};
     cli_tables tables = {.common = common, .scene = scene, .filter = cli_filter_none()};
-    for (size_t k = 0; k < sizeof all / sizeof *all; k++)
-        if (scene->want & all[k].want)
-            tables.name[tables.count++] = all[k].name;
+    for (size_t k = 0; k < sizeof want / sizeof *want; k++)
+        if (scene->want & want[k])
+            tables.name[tables.count++] = cli_table_names[k];
     return tables;
 }
 
@@ -159,17 +152,14 @@ static bool watch(const sp_study_progress *progress, void *user) {
 
 /* Tells the other ranks what this one computes: the scene, the store and the shard. */
 static sp_status announce(const arguments *a, const sp_scene *scene, sp_error *err) {
-    char *text = sp_scene_text(scene, NULL);
-    const size_t size = text ? strlen(text) + strlen(a->store) + 64 : 0;
-    char *what = text ? sp_alloc(size, 1) : NULL;
-    if (what) {
-        snprintf(what, size, "%s\n%s\n%d/%d", text, a->store, a->study.shard, a->study.shards);
-        cli_ranks_begin(what);
-    }
-    sp_status status = what ? SP_OK : sp_fail_memory(err, 1 << 14);
-    sp_free(what);
+    char *text = sp_scene_text(scene, NULL), *what = NULL;
+    const int size = text ? asprintf(&what, "%s\n%s\n%d/%d", text, a->store, a->study.shard, a->study.shards) : -1;
     sp_free(text);
-    return status;
+    if (size < 0)
+        return sp_fail_memory(err, 1 << 14);
+    cli_ranks_begin(what);
+    free(what);
+    return SP_OK;
 }
 
 /* Refuses before the work what no sample could have: most results of the command lead from wall to wall, and probes
@@ -197,16 +187,13 @@ static sp_status check_cell(const sp_scene *scene, sp_error *err) {
 static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
     const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
     sp_status status = cli_read_scene(&a->common, path, scene, err);
-    if (status == SP_OK)
-        status = sp_scene_check_sweeps(scene, err);
-    if (status == SP_OK)
-        status = check_cell(scene, err);
+    CLI_THEN(status, sp_scene_check_sweeps(scene, err));
+    CLI_THEN(status, check_cell(scene, err));
     if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
         status = cli_load_start(scene, from, err);
         a->study.from = from;
     }
-    if (status == SP_OK)
-        status = cli_take_material(a, &scene->material, path ? path : "the scene", err);
+    CLI_THEN(status, cli_take_material(a, &scene->material, path ? path : "the scene", err));
     if (status == SP_OK)
         cli_note_material(&a->common, scene);
     return status;
@@ -230,17 +217,14 @@ static sp_status plan(arguments *a, sp_scene *scene, sp_packing *from, sp_error 
     cli_plan plan;
     cli_tables tables;
     sp_status status = read_scene(a, scene, from, err);
-    if (status == SP_OK)
-        status = choose_tables(a, scene, &tables, err);
+    CLI_THEN(status, choose_tables(a, scene, &tables, err));
     if (status != SP_OK)
         return status;
     share_threads(a);
     status =
         cli_plan_begin(&a->common, 1U << SP_KERNEL_STEP | 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_SPARSE, &plan, err);
-    if (status == SP_OK)
-        status = cli_plan_study(&plan, "", scene, &a->study, a->store, err);
-    if (status == SP_OK)
-        status = cli_plan_end(&plan);
+    CLI_THEN(status, cli_plan_study(&plan, scene, &a->study, a->store, err));
+    CLI_THEN(status, cli_plan_end(&plan));
     cli_plan_free(&plan);
     return status;
 }
@@ -310,16 +294,12 @@ static sp_status make(arguments *a, sp_scene *scene, sp_packing *from, sp_store 
     sp_study_progress done = {0};
     cli_tables tables = {0};
     sp_status status = read_scene(a, scene, from, err);
-    if (status == SP_OK)
-        status = choose_tables(a, scene, &tables, err);
-    if (status == SP_OK)
-        status = sp_store_open(a->store, true, store, err);
-    if (status == SP_OK)
-        status = run(a, scene, *store, &done, err);
+    CLI_THEN(status, choose_tables(a, scene, &tables, err));
+    CLI_THEN(status, sp_store_open(a->store, true, store, err));
+    CLI_THEN(status, run(a, scene, *store, &done, err));
     status = cli_ranks_join(status, done.total > 0 ? watch : NULL, &a->common, &done, err);
     status = report(a, status, &done, err);
-    if (status == SP_OK)
-        status = check_complete(a, scene, *store, err);
+    CLI_THEN(status, check_complete(a, scene, *store, err));
     return status == SP_OK && tables.count > 0 && a->ranks.rank == 0 ? cli_tables_write(&tables, *store, err) : status;
 }
 
@@ -334,12 +314,10 @@ static void read_arguments(arguments *a, int argc, char **argv) {
     }
     /* with several ranks, one thread each is the default */
     a->common.threads = a->ranks.size > 1 ? 1 : 0;
-    cli_parse(&syntax, argc, argv, a);
-    for (int file = STDOUT_FILENO; file <= STDERR_FILENO; file++) {
-        if (keep[file - STDOUT_FILENO] >= 0) {
-            dup2(keep[file - STDOUT_FILENO], file);
-            close(keep[file - STDOUT_FILENO]);
-        }
+    cli_parse(&cmd_study_syntax, argc, argv, a);
+    for (int file = STDOUT_FILENO; file <= STDERR_FILENO && a->ranks.rank > 0; file++) {
+        dup2(keep[file - STDOUT_FILENO], file);
+        close(keep[file - STDOUT_FILENO]);
     }
 }
 

@@ -40,7 +40,7 @@ static const cli_option options[] = {
      .field = offsetof(arguments, omega_max), .low = 1e-12, .high = 1e9, .kinds = "spectrum"},
     {0}};
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_table_syntax = {
     .usage = "NAME --store DIR [SCENE]",
     .help =
         "Prints a table of the samples in a store.\v"
@@ -101,8 +101,7 @@ static sp_status work(arguments *a, sp_scene *scene, sp_store **store, sp_error 
     sp_status status = SP_OK;
     if (path)
         status = cli_read_scene(&a->common, path, scene, err);
-    if (status == SP_OK)
-        status = sp_scene_check_sweeps(scene, err);
+    CLI_THEN(status, sp_scene_check_sweeps(scene, err));
     cli_tables tables = {.common = &a->common,
                          .scene = path ? scene : NULL,
                          .needs_samples = true,
@@ -111,19 +110,16 @@ static sp_status work(arguments *a, sp_scene *scene, sp_store **store, sp_error 
                          .filter = a->filter,
                          .level = a->level,
                          .bins = {(int32_t)a->bins, a->omega_max}};
-    if (status == SP_OK)
-        status = cli_tables_may_write(&tables, err);
-    if (status == SP_OK)
-        status = sp_store_open(a->store, false, store, err);
-    if (status == SP_OK)
-        status = take_material(a, scene, *store, err);
+    CLI_THEN(status, cli_tables_may_write(&tables, err));
+    CLI_THEN(status, sp_store_open(a->store, false, store, err));
+    CLI_THEN(status, take_material(a, scene, *store, err));
     tables.filter = a->filter;
     return status == SP_OK ? cli_tables_write(&tables, *store, err) : status;
 }
 
 int cmd_table(int argc, char **argv) {
     arguments a = {.filter = cli_filter_none(), .level = sp_table_options_default().level};
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_table_syntax, argc, argv, &a);
     sp_error err = {0};
     sp_scene scene = sp_scene_default();
     sp_store *store = NULL;

@@ -1,5 +1,7 @@
-/* sonopack transport: prints how the energy of sound moves through packings, as a function of frequency. */
+/* Prints (sonopack transport, sonopack wave) how the energy of sound and its coherent wave move through packings, as
+ * means over packings at each frequency. */
 #include "base/base.h"
+#include "cli/excitation.h"
 #include "cli/files.h"
 
 #include <math.h>
@@ -12,7 +14,7 @@
 #define SPEED       "sqrt(E* / rho)"
 #define DIFFUSIVITY "d sqrt(E* / rho)"
 
-enum { FREQUENCIES_MAX = 1000, FREQUENCIES = 10, VALUES_MAX = 10 };
+enum { FREQUENCIES_MAX = 10000, VALUES_MAX = 10 };
 
 /* Of --quantity. */
 enum { SPREAD = 0, KUBO, COHERENT, SPLIT, ENERGY };
@@ -29,11 +31,12 @@ typedef struct mean {
 
 typedef struct arguments {
     cli_common common;
-    int quantity, axis;
+    int axis;
     const char *at;
-    double width, smear, until;
-    int64_t waves, sources, seed;
+    double smear;
+    sp_spread_options spread; /* with what the other quantities share of it */
     sp_coherent_section_options section;
+    sp_damping damping;
     int dim; /* of the packings so far; 0: none */
     int32_t n;
     double *omega; /* [n] */
@@ -45,75 +48,45 @@ static const cli_option options[] = {
      "What to compute: the diffusivity of energy, from its spreading (diffusivity, the default) or from eigenmodes "
      "(kubo), the mean free path of the coherent wave (coherent), the parts of the energy (split), or its flux after a "
      "burst (energy)",
-     CLI_CHOICE, .field = offsetof(arguments, quantity), .words = quantity_names},
+     CLI_CHOICE, .field = offsetof(arguments, common.kind), .words = quantity_names},
     {"at", "W1,W2,...|LOW:HIGH:N",
      "Frequencies (10, from 0.05 to 0.6 of the upper bound of the spectrum of the first packing)", CLI_TEXT,
      .field = offsetof(arguments, at)},
     {"axis", "up|x|y",
      "diffusivity, kubo: the axis along which energy moves, y in 3D only (up; for kubo the mean over the axes without "
      "walls)",
-     CLI_CHOICE, .field = offsetof(arguments, axis), .words = axis_names},
+     CLI_CHOICE, .field = offsetof(arguments, axis), .words = axis_names, .kinds = "diffusivity kubo"},
     {"width", "W", "All but coherent: width of the band about each frequency, over the frequency (0.1)", CLI_NUMBER,
-     .field = offsetof(arguments, width), .low = 0.001, .high = 0.2},
-    {"waves", "N", "diffusivity: how many waves of the energy's density the packing holds (1)", CLI_INTEGER,
-     .field = offsetof(arguments, waves), .low = 1, .high = 1000},
-    {"sources", "N", "diffusivity, split: number of random motions of each packing (6)", CLI_INTEGER,
-     .field = offsetof(arguments, sources), .low = 2, .high = 1000},
-    {"seed", "N", "diffusivity, split: seed of the random motions (1)", CLI_INTEGER, .field = offsetof(arguments, seed),
-     .high = 1e15},
+     .field = offsetof(arguments, spread.width), .low = 0.001, .high = 0.2, .kinds = "diffusivity kubo split energy"},
+    {"waves", "N", "diffusivity: how many waves of the energy's density the packing holds (1)", CLI_INT,
+     .field = offsetof(arguments, spread.waves), .low = 1, .high = 1000, .kinds = "diffusivity"},
+    {"sources", "N", "diffusivity, split: number of random motions of each packing (6)", CLI_INT,
+     .field = offsetof(arguments, spread.sources), .low = 2, .high = 1000, .kinds = "diffusivity split"},
+    {"seed", "N", "diffusivity, split: seed of the random motions (1)", CLI_INTEGER,
+     .field = offsetof(arguments, spread.seed), .high = 1e15, .kinds = "diffusivity split"},
     {"until", "T",
      "diffusivity, energy: last time [d/sqrt(E* / rho)] (300 periods; energy: the window of `signal' of the first "
      "packing)",
-     CLI_NUMBER, .field = offsetof(arguments, until), .low = 1e-6, .high = 1e12, .unit = "d/sqrt(E* / rho)"},
+     CLI_NUMBER, .field = offsetof(arguments, spread.until), .low = 1e-6, .high = 1e12, .unit = "d/sqrt(E* / rho)",
+     .kinds = "diffusivity energy"},
     {"smear", "W", "kubo: width of the delta function, over the frequency (0.1)", CLI_NUMBER,
-     .field = offsetof(arguments, smear), .low = 0.001, .high = 0.2},
+     .field = offsetof(arguments, smear), .low = 0.001, .high = 0.2, .kinds = "kubo"},
     {"spacing", "D", "coherent: distance between planes [d] (1)", CLI_NUMBER,
-     .field = offsetof(arguments, section.spacing), .low = 0.01, .high = 1e6},
+     .field = offsetof(arguments, section.spacing), .low = 0.01, .high = 1e6, .kinds = "coherent"},
     {"low", "Y", "coherent: height of the lowest plane [d] (4)", CLI_NUMBER, .field = offsetof(arguments, section.low),
-     .high = 1e6},
+     .high = 1e6, .kinds = "coherent"},
     {"part", "F", "coherent: place planes up to this fraction of the height (0.6)", CLI_NUMBER,
-     .field = offsetof(arguments, section.part), .low = 0.01, .high = 1},
+     .field = offsetof(arguments, section.part), .low = 0.01, .high = 1, .kinds = "coherent"},
     {"shear", NULL, "coherent: the transverse wave, from a bottom wall that is moved along x", CLI_FLAG,
-     .field = offsetof(arguments, section.shear)},
+     .field = offsetof(arguments, section.shear), .kinds = "coherent"},
     {0}};
 
-static const cli_syntax syntax;
-
-#define FOR(quantity) (1U << (quantity))
-
-/* An option that would do nothing is a mistake of the user's. */
-static sp_status check(void *user, sp_error *err) {
-    static const struct {
-        const char *name;
-        unsigned used;
-        const char *where;
-    } only[] = {
-        {"width", ~FOR(COHERENT), "all but coherent"},
-        {"waves", FOR(SPREAD), "diffusivity"},
-        {"sources", FOR(SPREAD) | FOR(SPLIT), "diffusivity or split"},
-        {"seed", FOR(SPREAD) | FOR(SPLIT), "diffusivity or split"},
-        {"until", FOR(SPREAD) | FOR(ENERGY), "diffusivity or energy"},
-        {"smear", FOR(KUBO), "kubo"},
-        {"spacing", FOR(COHERENT), "coherent"},
-        {"low", FOR(COHERENT), "coherent"},
-        {"part", FOR(COHERENT), "coherent"},
-        {"shear", FOR(COHERENT), "coherent"},
-    };
-    const arguments *a = user;
-    for (size_t k = 0; k < sizeof only / sizeof *only; k++)
-        if (!(only[k].used & FOR(a->quantity)) && cli_given(&syntax, &a->common, only[k].name))
-            return sp_fail(err, SP_EINVAL, "--%s: only with --quantity=%s", only[k].name, only[k].where);
-    if (a->axis > 0 && a->quantity >= COHERENT)
-        return sp_fail(err, SP_EINVAL, "--axis: only with --quantity=diffusivity or kubo");
-    return SP_OK;
-}
-
-static const cli_syntax syntax = {
+const cli_syntax cmd_transport_syntax = {
     .usage = "FILE...",
     .help =
         "How the energy of sound moves through packings: diffusivity and mean free paths at each frequency.\v"
-        "The table has the means over the packings and their standard errors; if only one packing gives a value, "
-        "the error is that over its random motions or modes. samples: number of packings that gave a value. nan: fewer "
+        "The table has the means over the packings and their standard errors; if only one packing gives a value, the "
+        "error is that over its random motions or modes. samples: number of packings that gave a value. nan: fewer "
         "than half of the packings gave one, for example because energy crosses them before it is scattered, or does "
         "not leave the place where it starts.\n"
         "\n"
@@ -122,38 +95,33 @@ static const cli_syntax syntax = {
         "from and to. shift: D of the later half of this decay minus D of the earlier half. half: D from a wave of "
         "half the length minus D. Both are near 0 if the energy diffuses.\n"
         "\n"
-        "kubo: D from the matrix elements of the energy's current between all eigenmodes, speed: at which energy moves "
-        "before it is scattered, path = dimension D/speed, the transport mean free path. shift: change of D if the "
-        "delta function is half as wide. Needs an axis without walls.\n"
+        "kubo: D from the matrix elements of the energy's current between all eigenmodes, speed: at which energy "
+        "moves before it is scattered, path = dimension D/speed, the transport mean free path. shift: change of D if "
+        "the delta function is half as wide. Needs an axis without walls.\n"
         "\n"
-        "coherent: k and alpha of the wave as in `wave', path = 1/(2 alpha), the scattering mean free path, and k_path "
-        "= k path. The comment ioffe_regel is the lowest frequency at which k_path falls to pi, where the mean free "
-        "path is "
-        "half a wavelength. path_low: lower bound of path, from alpha plus two errors; if alpha is not above twice its "
-        "error, it is all that is known, and path and k_path are nan. part: fraction of the squared flux that the wave "
-        "accounts for; a fit with less than half is left out. The errors of a single packing are estimated from what "
-        "the fit leaves over, and from a fit to half of the time.\n"
+        "coherent: k and alpha of the wave as in `wave', path = 1/(2 alpha), the scattering mean free path, and "
+        "k_path = k path. The comment ioffe_regel is the lowest frequency at which k_path falls to pi, where the mean "
+        "free path is half a wavelength. path_low: lower bound of path, from alpha plus two errors; if alpha is not "
+        "above twice its error, it is all that is known, and path and k_path are nan. part: fraction of the squared "
+        "flux that the wave accounts for; a fit with less than half is left out. The errors of a single packing are "
+        "estimated from what the fit leaves over, and from a fit to half of the time.\n"
         "\n"
         "split: parts of the energy in the band: kinetic of translation along the up axis (along), along the others "
-        "(across) and of rotation, potential of normal and of tangential springs. They are those of random motions, in "
-        "which all modes have the same energy; pulse_ are those of the motion after an impulse at the bottom wall, 100 "
-        "to 200 periods later.\n"
+        "(across) and of rotation, potential of normal and of tangential springs. They are those of random motions, "
+        "in which all modes have the same energy; pulse_ are those of the motion after an impulse at the bottom wall, "
+        "100 to 200 periods later.\n"
         "\n"
         "energy: an impulse at the bottom wall, filtered to the band; its energy is 1. below: the part of it that is "
-        "in "
-        "the grains below the plane at this fraction of the height at the time t, one of 24; flux: what passes the "
+        "in the grains below the plane at this fraction of the height at the time t, one of 24; flux: what passes the "
         "plane upward in a unit of time (1/s in SI, shown as rad/s), and of it the work of normal forces, of "
-        "tangential forces on the translation of the grains (sideways), and of their torques. For a single packing the "
-        "errors are those of rounding.",
-    .finds_material = true,
+        "tangential forces on the translation of the grains (sideways), and of their torques. For a single packing "
+        "the errors are those of rounding.",
+    CLI_PACKINGS,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = CLI_ANY_NUMBER,
     .springs = true,
-    .check = check};
+    .kinds_by_option = quantity_names};
 
-/* ---- means ------------------------------------------------------------------------------------------------------ */
+/* ---- means ------------------------------------------------------------------------------------------------------- */
 
 static mean *means_at(const arguments *a, int32_t l) { return a->mean + (int64_t)l * VALUES_MAX; }
 
@@ -178,7 +146,7 @@ static double error_of(const mean *m) {
     return m->n > 1 ? sqrt(fmax(0, m->squares - m->sum * m->sum / n) / (n - 1) / n) : NAN;
 }
 
-/* ---- one packing ------------------------------------------------------------------------------------------------ */
+/* ---- one packing ------------------------------------------------------------------------------------------------- */
 
 /* Measures at frequency l, and adds to the means of it. */
 typedef sp_status (*measure)(const arguments *a, const sp_network *net, int32_t l, sp_error *err);
@@ -198,15 +166,10 @@ static sp_status at_each(const arguments *a, const sp_network *net, measure one,
 }
 
 static sp_status measure_spread(const arguments *a, const sp_network *net, int32_t l, sp_error *err) {
-    sp_spread_options o = sp_spread_options_default();
+    sp_spread_options o = a->spread;
     mean *m = means_at(a, l);
     sp_spread s;
     o.axis = a->axis - 1; /* -1: the default */
-    o.width = a->width;
-    o.waves = (int32_t)a->waves;
-    o.sources = (int32_t)a->sources;
-    o.seed = (uint64_t)a->seed;
-    o.until = a->until;
     const sp_status status = sp_spread_make(net, a->omega[l], &o, &s, err);
     if (status != SP_OK || isnan(s.d))
         return status;
@@ -228,14 +191,12 @@ static void add_kubo(const arguments *a, const sp_kubo *k, mean *m) {
 
 static sp_status measure_kubo(const arguments *a, const sp_network *net, sp_error *err) {
     const sp_modes_options mo = sp_modes_options_default();
-    const sp_kubo_options o = {.axis = a->axis - 1, .width = a->width, .smear = a->smear};
+    const sp_kubo_options o = {.axis = a->axis - 1, .width = a->spread.width, .smear = a->smear};
     sp_modes modes = sp_modes_none();
     sp_kubo *k = sp_alloc((size_t)a->n, sizeof *k);
     sp_status status = k ? SP_OK : sp_fail_memory(err, (size_t)a->n * sizeof *k);
-    if (status == SP_OK)
-        status = sp_modes_dense(net, &mo, &modes, err);
-    if (status == SP_OK)
-        status = sp_kubo_make(net, &modes, a->n, a->omega, &o, k, err);
+    CLI_THEN(status, sp_modes_dense(net, &mo, &modes, err));
+    CLI_THEN(status, sp_kubo_make(net, &modes, a->n, a->omega, &o, k, err));
     for (int32_t l = 0; l < a->n && status == SP_OK; l++)
         add_kubo(a, &k[l], means_at(a, l));
     sp_modes_free(&modes);
@@ -272,9 +233,9 @@ static void add_energy(const sp_energy *e, const sp_energy *error, mean *m) {
 static sp_status measure_split(const arguments *a, const sp_network *net, int32_t l, sp_error *err) {
     sp_split_options o = sp_split_options_default();
     sp_split s;
-    o.width = a->width;
-    o.sources = (int32_t)a->sources;
-    o.seed = (uint64_t)a->seed;
+    o.width = a->spread.width;
+    o.sources = a->spread.sources;
+    o.seed = a->spread.seed;
     const sp_status status = sp_split_make(net, a->omega[l], &o, &s, err);
     if (status != SP_OK)
         return status;
@@ -283,11 +244,11 @@ static sp_status measure_split(const arguments *a, const sp_network *net, int32_
     return SP_OK;
 }
 
-/* Planes at quarters of the height, and equally spaced times up to a->until, which the first packing sets. */
+/* Planes at quarters of the height, and equally spaced times up to a->spread.until, which the first packing sets. */
 enum { TIMES = 24, PLANES = 3, BURST_VALUES = 5, BURST_ROWS = TIMES * PLANES };
 static const double ROUNDING = 1e-11; /* of parts of the energy, by tests; the drift is that of all of it */
 
-static double burst_time(const arguments *a, int k) { return a->until * (k + 1) / TIMES; }
+static double burst_time(const arguments *a, int k) { return a->spread.until * (k + 1) / TIMES; }
 
 /* The flux of an energy 1 is at most about the highest frequency, and so are its rounding errors beside those of the
  * energy. */
@@ -307,7 +268,7 @@ static sp_status measure_burst(const arguments *a, const sp_network *net, int32_
         t[k] = burst_time(a, k);
     for (int k = 0; k < PLANES; k++)
         height[k] = net->box[net->dim - 1] * (k + 1) / (PLANES + 1);
-    const sp_burst_options o = {a->omega[l], a->width, TIMES, t, PLANES, height};
+    const sp_burst_options o = {a->omega[l], a->spread.width, TIMES, t, PLANES, height};
     const sp_status status = sp_burst_make(net, &o, below, flux, &drift, err);
     for (int row = 0; row < BURST_ROWS && status == SP_OK; row++)
         add_burst(below[row], &flux[row], drift + ROUNDING, sp_network_omega_bound(net),
@@ -316,16 +277,16 @@ static sp_status measure_burst(const arguments *a, const sp_network *net, int32_
 }
 
 static sp_status measure_energy(arguments *a, const sp_network *net, sp_error *err) {
-    enum { MOST = FREQUENCIES_MAX * VALUES_MAX / (BURST_ROWS * BURST_VALUES) };
+    enum { MOST = 27 }; /* the table has BURST_ROWS rows for each */
     if (a->n > MOST)
         return sp_fail(err, SP_EINVAL, "--at: %d frequencies, energy takes at most %d", a->n, MOST);
-    if (!(a->until > 0))
-        a->until = sp_signal_window(net->box[net->dim - 1], net->pressure);
+    if (!(a->spread.until > 0))
+        a->spread.until = sp_signal_window(net->box[net->dim - 1], net->pressure);
     return at_each(a, net, measure_burst, err);
 }
 
 static sp_status measure_packing(arguments *a, const sp_network *net, sp_error *err) {
-    switch (a->quantity) {
+    switch (a->common.kind) {
     case KUBO: return measure_kubo(a, net, err);
     case COHERENT: return measure_coherent(a, net, err);
     case SPLIT: return at_each(a, net, measure_split, err);
@@ -334,38 +295,44 @@ static sp_status measure_packing(arguments *a, const sp_network *net, sp_error *
     }
 }
 
-static sp_status begin(void *user, sp_table *t, sp_error *err) {
+static sp_status begin(void *user, cli_writer *w) {
     arguments *a = user;
     const size_t values = (size_t)FREQUENCIES_MAX * VALUES_MAX;
-    (void)t;
     a->omega = sp_alloc(FREQUENCIES_MAX, sizeof *a->omega);
     a->mean = sp_alloc(values, sizeof *a->mean);
-    return a->omega && a->mean ? SP_OK : sp_fail_memory(err, values * sizeof *a->mean);
+    return a->omega && a->mean ? SP_OK : sp_fail_memory(w->err, values * sizeof *a->mean);
 }
 
 static sp_status choose_frequencies(arguments *a, const sp_network *net, sp_error *err) {
+    enum { MANY = 10 };
+    if (a->n > 0)
+        return SP_OK;
     if (a->at)
         return cli_frequencies(a->at, FREQUENCIES_MAX, &a->n, a->omega, err);
-    const double bound = sp_network_omega_bound(net);
-    for (a->n = 0; a->n < FREQUENCIES; a->n++)
-        a->omega[a->n] = bound * (0.05 + 0.55 * a->n / (FREQUENCIES - 1));
+    for (; a->n < MANY; a->n++)
+        a->omega[a->n] = sp_network_omega_bound(net) * (0.05 + 0.55 * a->n / (MANY - 1));
     return SP_OK;
 }
 
-static sp_status add_packing(void *user, cli_file *file, sp_table *t, sp_error *err) {
-    arguments *a = user;
-    (void)t;
+static sp_status check_dimension(arguments *a, const cli_file *file, sp_error *err) {
     if (a->dim && a->dim != file->packing.dim)
         return sp_fail(err, SP_EREFUSED, "has %d dimensions, the packings before it have %d", file->packing.dim,
                        a->dim);
     a->dim = file->packing.dim;
-    if (a->axis > a->dim - 1)
-        return sp_fail(err, SP_EINVAL, "--axis=%s: the packing has %d dimensions", axis_names[a->axis], a->dim);
-    sp_status status = a->n == 0 ? choose_frequencies(a, &file->network, err) : SP_OK;
-    return status == SP_OK ? measure_packing(a, &file->network, err) : status;
+    return SP_OK;
 }
 
-/* ---- the table -------------------------------------------------------------------------------------------------- */
+static sp_status add_packing(void *user, cli_file *file, cli_writer *w) {
+    arguments *a = user;
+    sp_status status = check_dimension(a, file, w->err);
+    if (status == SP_OK && a->axis > a->dim - 1)
+        return sp_fail(w->err, SP_EINVAL, "--axis=%s: the packing has %d dimensions", axis_names[a->axis], a->dim);
+    CLI_THEN(status, choose_frequencies(a, &file->network, w->err));
+    CLI_THEN(status, measure_packing(a, &file->network, w->err));
+    return status;
+}
+
+/* ---- the table --------------------------------------------------------------------------------------------------- */
 
 /* The values of a quantity, in the order in which they are measured. */
 typedef struct column {
@@ -404,41 +371,43 @@ static void add_columns(const column *c, cli_writer *w) {
     cli_columns(w, SP_COLUMN_INTEGER, "samples", "", NULL);
 }
 
-/* A row: what is in front, `at' numbers, then the values with their errors, and how many packings gave the first. */
-static void add_row(const column *c, const mean *m, int at, double *row, cli_writer *w) {
+/* The values with their errors, and how many packings gave the first, end a row. */
+static void end_row(const column *c, const mean *m, cli_writer *w) {
     const mean *first = m;
     for (; c->name; c++, m++) {
-        row[at++] = value_of(m);
+        cli_put(w, value_of(m));
         if (c->has_error)
-            row[at++] = error_of(m);
+            cli_put(w, error_of(m));
     }
-    row[at] = (double)first->n;
-    if (w->status == SP_OK)
-        w->status = sp_table_add_numbers(w->table, row, w->err);
+    cli_put(w, (double)first->n);
+    cli_end_row(w);
 }
 
 static void print_values(const arguments *a, cli_writer *w) {
-    const column *c = columns[a->quantity];
-    double row[2 * VALUES_MAX + 4];
+    const column *c = columns[a->common.kind];
+    const bool energy = a->common.kind == ENERGY;
     cli_columns(w, SP_COLUMN_NUMBER, "omega", RATE, NULL);
-    if (a->quantity == ENERGY)
+    if (energy)
         cli_columns(w, SP_COLUMN_NUMBER, "t", TIME, "plane", "", NULL);
     add_columns(c, w);
-    for (int32_t l = 0; l < a->n; l++) {
-        row[0] = a->omega[l];
-        for (int k = 0; a->quantity == ENERGY && k < BURST_ROWS; k++) {
-            row[1] = burst_time(a, k / PLANES);
-            row[2] = (k % PLANES + 1.0) / (PLANES + 1);
-            add_row(c, a->mean + ((int64_t)l * BURST_ROWS + k) * BURST_VALUES, 3, row, w);
+    for (int32_t l = 0; l < a->n; l++)
+        for (int k = 0; k < (energy ? BURST_ROWS : 1); k++) {
+            cli_put(w, a->omega[l]);
+            if (energy) {
+                cli_put(w, burst_time(a, k / PLANES));
+                cli_put(w, (k % PLANES + 1.0) / (PLANES + 1));
+            }
+            end_row(c, energy ? a->mean + ((int64_t)l * BURST_ROWS + k) * BURST_VALUES : means_at(a, l), w);
         }
-        if (a->quantity != ENERGY)
-            add_row(c, means_at(a, l), 1, row, w);
-    }
 }
 
 static void print_coherent(const arguments *a, cli_writer *w) {
-    sp_free_path path[FREQUENCIES_MAX];
+    sp_free_path *path = sp_alloc((size_t)a->n, sizeof *path);
     double omega, error;
+    if (!path)
+        w->status = sp_fail_memory(w->err, (size_t)a->n * sizeof *path);
+    if (w->status != SP_OK)
+        return;
     for (int32_t l = 0; l < a->n; l++) {
         const mean *m = means_at(a, l);
         path[l] = sp_free_path_of(value_of(&m[0]), error_of(&m[0]), value_of(&m[1]), error_of(&m[1]));
@@ -453,26 +422,141 @@ static void print_coherent(const arguments *a, cli_writer *w) {
     for (int32_t l = 0; l < a->n && w->status == SP_OK; l++) {
         const mean *m = means_at(a, l);
         const sp_free_path *p = &path[l];
-        w->status = sp_table_add_row(w->table, w->err, a->omega[l], value_of(&m[0]), error_of(&m[0]), value_of(&m[1]),
-                                     error_of(&m[1]), p->path, p->path_err, p->low, p->k_path, p->k_path_err,
-                                     value_of(&m[2]), m->n);
+        cli_row(w, a->omega[l], value_of(&m[0]), error_of(&m[0]), value_of(&m[1]), error_of(&m[1]), p->path,
+                p->path_err, p->low, p->k_path, p->k_path_err, value_of(&m[2]), m->n);
     }
+    sp_free(path);
 }
 
-static sp_status add_rows(void *user, sp_table *t, sp_error *err) {
+static sp_status add_rows(void *user, cli_writer *w) {
     arguments *a = user;
-    cli_writer w = {.table = t, .err = err};
-    cli_comment(&w, "packings = %d", a->common.files);
-    cli_comment(&w, "dimension = %d", a->dim);
-    cli_comment(&w, "quantity = %s", quantity_names[a->quantity]);
-    if (a->quantity == COHERENT)
-        cli_comment(&w, "motion = %s", a->section.shear ? "shear" : "compression");
-    else if (a->quantity <= KUBO)
-        cli_comment(&w, "axis = %s", a->quantity == KUBO && a->axis == 0 ? "mean" : axis_names[a->axis]);
+    cli_comment(w, "packings = %d", a->common.files);
+    cli_comment(w, "dimension = %d", a->dim);
+    cli_comment(w, "quantity = %s", quantity_names[a->common.kind]);
+    if (a->common.kind == COHERENT)
+        cli_comment(w, "motion = %s", a->section.shear ? "shear" : "compression");
+    else if (a->common.kind <= KUBO)
+        cli_comment(w, "axis = %s", a->common.kind == KUBO && a->axis == 0 ? "mean" : axis_names[a->axis]);
     for (int32_t k = 0; k < FREQUENCIES_MAX * VALUES_MAX; k++)
         a->mean[k].few = 2 * a->mean[k].n < a->common.files;
-    (a->quantity == COHERENT ? print_coherent : print_values)(a, &w);
-    return w.status;
+    (a->common.kind == COHERENT ? print_coherent : print_values)(a, w);
+    return w->status;
+}
+
+/* ---- wave -------------------------------------------------------------------------------------------------------- */
+
+static const cli_option wave_options[] = {
+    {"at", "W1,W2,...|LOW:HIGH:N",
+     "Frequencies (24, from four periods in the record to 0.3 of the upper bound of the spectrum)", CLI_TEXT,
+     .field = offsetof(arguments, at)},
+    {"spacing", "D", "Distance between planes [d] (1)", CLI_NUMBER, .field = offsetof(arguments, section.spacing),
+     .low = 0.01, .high = 1e6},
+    {"low", "Y", "Height of the lowest plane [d] (4)", CLI_NUMBER, .field = offsetof(arguments, section.low),
+     .high = 1e6},
+    {"part", "F", "Place planes up to this fraction of the height (0.6)", CLI_NUMBER,
+     .field = offsetof(arguments, section.part), .low = 0.01, .high = 1},
+    {"damping", CLI_DAMPING, "Dashpots of the contacts, as in signal (0)", CLI_DASHPOTS,
+     .field = offsetof(arguments, damping), .high = 100},
+    {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, as in signal (impulse)", CLI_CHOICE,
+     .field = offsetof(arguments, section.source), .words = cli_source_names},
+    {0}};
+
+const cli_syntax cmd_wave_syntax = {
+    .usage = "FILE...",
+    .help =
+        "Phase speed and attenuation of the coherent wave that a pulse at the bottom wall sends up through packings.\v"
+        "For each packing and each frequency, A e^(i k y - alpha y) is fitted by least squares to the momentum flux "
+        "through horizontal planes, recorded until the echo from the top wall arrives. The table has the means over "
+        "the packings and their standard errors (nan for a single packing). alpha: attenuation of the amplitude, "
+        "which is due to scattering alone unless --damping is given. Q = k/(2 alpha) is the quality factor (nan where "
+        "alpha is within three errors of 0). part: fraction of the squared flux that the wave accounts for; the rest "
+        "is scattered waves. samples: number of packings for which the fit succeeded. k_shift and alpha_shift: change "
+        "of the means when only the first half of the record is used, which is usually more than the effect of the "
+        "end of the record. The packings should have the same material and pressure.",
+    CLI_PACKINGS,
+    .options = wave_options,
+    .springs = true};
+
+static sp_status choose_wave(arguments *a, const sp_network *net, const sp_coherent_section *s, sp_error *err) {
+    enum { MANY = 24 };
+    const double low = 4 * 2 * M_PI / s->until[0], high = 0.3 * sp_network_omega_bound(net);
+    if (a->n > 0 || a->at)
+        return choose_frequencies(a, net, err);
+    if (!(low < high))
+        return sp_fail(err, SP_EREFUSED, "the record is too short for the default frequencies: use --at");
+    for (; a->n < MANY; a->n++)
+        a->omega[a->n] = low * pow(high / low, a->n / (MANY - 1.0));
+    return SP_OK;
+}
+
+static sp_status add_wave(void *user, cli_file *file, cli_writer *w) {
+    arguments *a = user;
+    sp_coherent_section s = sp_coherent_section_none();
+    sp_coherent_wave c;
+    a->section.damping = a->damping.value;
+    a->section.damping_kind = a->damping.kind;
+    a->section.damping_ratio = a->damping.ratio;
+    sp_status status = check_dimension(a, file, w->err);
+    CLI_THEN(status, sp_coherent_section_make(&file->network, &a->section, &s, w->err));
+    CLI_THEN(status, choose_wave(a, &file->network, &s, w->err));
+    for (int32_t l = 0; l < a->n && status == SP_OK; l++) {
+        status = sp_coherent_fit(&s, a->omega[l], &c, w->err);
+        const double value[] = {c.k, c.alpha, c.part, c.k_shift, c.alpha_shift};
+        for (size_t k = 0; k < sizeof value / sizeof *value && status == SP_OK && !isnan(c.k); k++)
+            add(&means_at(a, l)[k], value[k], NAN);
+    }
+    sp_coherent_section_free(&s);
+    return status;
+}
+
+/* Notes why rows are nan. */
+static void explain(const arguments *a) {
+    int32_t none = 0;
+    for (int32_t l = 0; l < a->n; l++)
+        none += means_at(a, l)->n == 0;
+    if (none > 0)
+        cli_note(&a->common,
+                 "k and alpha are nan at %d of %d frequencies: either fewer than four planes have a record as long as "
+                 "a period, or the wave spans too few planes, or the frequency is above the largest of the network",
+                 none, a->n);
+}
+
+static sp_status wave_rows(void *user, cli_writer *w) {
+    const arguments *a = user;
+    explain(a);
+    cli_comment(w, "packings = %d", a->common.files);
+    cli_comment(w, "dimension = %d", a->dim);
+    cli_comment(w, "source = %s", cli_source_names[a->section.source]);
+    if (a->damping.value > 0)
+        cli_damping_comment(w, &a->damping);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", RATE, "k", "1/d", "k_err", "1/d", "speed", SPEED, "speed_err", SPEED,
+                "alpha", "1/d", "alpha_err", "1/d", "part", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "samples", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "k_shift", "1/d", "alpha_shift", "1/d", "Q", "", "Q_err", "", NULL);
+    for (int32_t l = 0; l < a->n; l++) {
+        const mean *m = means_at(a, l);
+        const double k = value_of(&m[0]), k_err = error_of(&m[0]), speed = a->omega[l] / k, alpha = value_of(&m[1]),
+                     alpha_err = error_of(&m[1]);
+        double q, q_err;
+        sp_wave_quality(k, k_err, alpha, alpha_err, &q, &q_err);
+        cli_row(w, a->omega[l], k, k_err, speed, speed * k_err / k, alpha, alpha_err, value_of(&m[2]), m->n,
+                value_of(&m[3]), value_of(&m[4]), q, q_err);
+    }
+    return w->status;
+}
+
+/* ---- both commands ----------------------------------------------------------------------------------------------- */
+
+static int run(const cli_syntax *syntax_of, const cli_files *command, int argc, char **argv) {
+    arguments a = {.smear = 0.1,
+                   .spread = sp_spread_options_default(),
+                   .section = sp_coherent_section_options_default(),
+                   .damping = {.ratio = 1}};
+    cli_parse(syntax_of, argc, argv, &a);
+    const int status = cli_run_files(command, &a);
+    sp_free(a.omega);
+    sp_free(a.mean);
+    return status;
 }
 
 int cmd_transport(int argc, char **argv) {
@@ -482,11 +566,11 @@ int cmd_transport(int argc, char **argv) {
                                       .begin = begin,
                                       .add = add_packing,
                                       .end = add_rows};
-    arguments a = {.width = 0.1, .smear = 0.1, .waves = 1, .sources = 6, .seed = 1};
-    a.section = sp_coherent_section_options_default();
-    cli_parse(&syntax, argc, argv, &a);
-    const int status = cli_run_files(&command, &a);
-    sp_free(a.omega);
-    sp_free(a.mean);
-    return status;
+    return run(&cmd_transport_syntax, &command, argc, argv);
+}
+
+int cmd_wave(int argc, char **argv) {
+    static const cli_files command = {
+        .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = add_wave, .end = wave_rows};
+    return run(&cmd_wave_syntax, &command, argc, argv);
 }

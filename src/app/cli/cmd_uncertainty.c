@@ -54,20 +54,17 @@ static const cli_option options[] = {
      .field = offsetof(arguments, o.source), .words = cli_source_names},
     {0}};
 
-static const cli_syntax syntax;
-
 static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
     const bool missing = a->o.errors.missing > 0;
-    sp_status status = cli_need(&syntax, &a->common, "gap", missing, "--missing", err);
-    if (status == SP_OK)
-        status = cli_need(&syntax, &a->common, "missing-force", missing, "--missing", err);
-    return status == SP_OK
-               ? cli_need(&syntax, &a->common, "margin", !a->front_only, "moduli, which --front-only leaves out", err)
-               : status;
+    sp_status status = cli_need(&cmd_uncertainty_syntax, &a->common, "gap", missing, "--missing", err);
+    CLI_THEN(status, cli_need(&cmd_uncertainty_syntax, &a->common, "missing-force", missing, "--missing", err));
+    return status == SP_OK ? cli_need(&cmd_uncertainty_syntax, &a->common, "margin", !a->front_only,
+                                      "moduli, which --front-only leaves out", err)
+                           : status;
 }
 
-static const cli_syntax syntax = {
+const cli_syntax cmd_uncertainty_syntax = {
     .usage = "FILE",
     .help =
         "Errors of the sound that is computed from a measured packing: of the first front, the moduli, the speeds of "
@@ -79,38 +76,32 @@ static const cli_syntax syntax = {
         "curvatures. With --from overlaps positions and radii decide which grains touch, and stiffnesses follow from "
         "the overlaps: errors must then be far below the mean overlap, which a comment tells.\n"
         "\n"
-        "value: without errors, and numerically exact beside them. t10, t_peak, peak and width are those of the front, "
-        "c "
-        "is the height over t10 (one distance over its time, which is biased), C11, ... and c_l, c_t are as in moduli, "
-        "omega_n are the lowest frequencies. "
-        "sd_first: standard deviation to first order, from exact derivatives. shift_first: shift of the mean by false "
-        "contacts, to first order. share_...: parts of the kinds of errors in the square of sd_first. sd, bias: "
-        "standard deviation of the drawn packings, and their mean minus the value. sd_err, bias_err: their standard "
-        "errors. linear: whether both ways agree, or unknown where one of them is missing. If it is no, they differ by "
-        "more than these errors, and sd and bias "
-        "count. It is also no if more than one in a hundred of the drawn packings has no sound, since sd and bias do "
-        "not know of these. A comment tells how many they are, and why the first of them has none. "
-        "contacts_ratio: contacts that carry force in the drawn packings, over those of the packing. nan: there are no "
-        "derivatives, as with missing contacts.",
-    .finds_material = true,
+        "value: without errors, and numerically exact beside them. t10, t_peak, peak and width are those of the "
+        "front, c is the height over t10 (one distance over its time, which is biased), C11, ... and c_l, c_t are as "
+        "in moduli, omega_n are the lowest frequencies. sd_first: standard deviation to first order, from exact "
+        "derivatives. shift_first: shift of the mean by false contacts, to first order. share_...: parts of the kinds "
+        "of errors in the square of sd_first. sd, bias: standard deviation of the drawn packings, and their mean "
+        "minus the value. sd_err, bias_err: their standard errors. linear: whether both ways agree, or unknown where "
+        "one of them is missing. If it is no, they differ by more than these errors, and sd and bias count. It is "
+        "also no if more than one in a hundred of the drawn packings has no sound, since sd and bias do not know of "
+        "these. A comment tells how many they are, and why the first of them has none. contacts_ratio: contacts that "
+        "carry force in the drawn packings, over those of the packing. nan: there are no derivatives, as with missing "
+        "contacts.",
+    CLI_ONE_PACKING,
     .options = options,
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = 1,
     .springs = true,
     .check = check};
 
-static sp_status add_columns(void *user, sp_table *t, sp_error *err) {
-    cli_writer w = {.table = t, .err = err};
+static sp_status add_columns(void *user, cli_writer *w) {
     (void)user;
-    cli_columns(&w, SP_COLUMN_TEXT, "quantity", "", "unit", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "value", "", "sd_first", "", "shift_first", "", "sd", "", "sd_err", "", "bias",
-                "", "bias_err", "", NULL);
-    cli_columns(&w, SP_COLUMN_INTEGER, "samples", "", NULL);
-    cli_columns(&w, SP_COLUMN_TEXT, "linear", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "share_position", "", "share_radius", "", "share_force", "", "share_stiffness",
-                "", "share_calibration", "", "share_false", "", NULL);
-    return w.status;
+    cli_columns(w, SP_COLUMN_TEXT, "quantity", "", "unit", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "value", "", "sd_first", "", "shift_first", "", "sd", "", "sd_err", "", "bias", "",
+                "bias_err", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "samples", "", NULL);
+    cli_columns(w, SP_COLUMN_TEXT, "linear", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "share_position", "", "share_radius", "", "share_force", "", "share_stiffness", "",
+                "share_calibration", "", "share_false", "", NULL);
+    return w->status;
 }
 
 static void add_comments(const arguments *a, const cli_file *file, const sp_uncertainty *u, cli_writer *w) {
@@ -147,15 +138,15 @@ static double to_si(const arguments *a, const sp_uncertain *v, char unit[SP_UNIT
     return factor;
 }
 
-static sp_status add_quantity(const arguments *a, const sp_uncertain *v, sp_table *t, sp_error *err) {
+static sp_status add_quantity(const arguments *a, const sp_uncertain *v, cli_writer *w) {
     char unit[SP_UNIT_TEXT];
-    const double f = to_si(a, v, unit, err), *s = v->share;
+    const double f = to_si(a, v, unit, w->err), *s = v->share;
     if (isnan(f))
-        return err->status;
-    return sp_table_add_row(t, err, v->name, unit, f * v->value, f * v->first_order, f * v->shift, f * v->sd,
-                            f * v->sd_error, f * v->bias, f * v->bias_error, (int64_t)v->samples, verdicts[v->linear],
-                            s[SP_ERROR_POSITION], s[SP_ERROR_RADIUS], s[SP_ERROR_FORCE], s[SP_ERROR_STIFFNESS],
-                            s[SP_ERROR_CALIBRATION], s[SP_ERROR_FALSE]);
+        return w->err->status;
+    return cli_row(w, v->name, unit, f * v->value, f * v->first_order, f * v->shift, f * v->sd, f * v->sd_error,
+                   f * v->bias, f * v->bias_error, (int64_t)v->samples, verdicts[v->linear], s[SP_ERROR_POSITION],
+                   s[SP_ERROR_RADIUS], s[SP_ERROR_FORCE], s[SP_ERROR_STIFFNESS], s[SP_ERROR_CALIBRATION],
+                   s[SP_ERROR_FALSE]);
 }
 
 static void explain(const arguments *a, const char *path, const sp_uncertainty *u) {
@@ -170,22 +161,21 @@ static void explain(const arguments *a, const char *path, const sp_uncertainty *
                  u->loose, u->samples);
 }
 
-static sp_status add_rows(void *user, cli_file *file, sp_table *t, sp_error *err) {
+static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     sp_uncertainty u = sp_uncertainty_none();
-    cli_writer w = {.table = t, .err = err};
     a->o.network = file->scene->network;
     a->o.moduli = !a->front_only;
     a->o.first_order = !a->sampled_only;
     a->o.threads = a->common.threads;
-    sp_status status = sp_uncertainty_make(&file->packing, &a->o, &u, err);
+    sp_status status = sp_uncertainty_make(&file->packing, &a->o, &u, w->err);
     if (status == SP_OK) {
-        add_comments(a, file, &u, &w);
-        status = w.status;
+        add_comments(a, file, &u, w);
+        status = w->status;
         explain(a, file->path, &u);
     }
     for (int32_t k = 0; k < u.n && status == SP_OK; k++)
-        status = add_quantity(a, &u.quantity[k], t, err);
+        status = add_quantity(a, &u.quantity[k], w);
     sp_uncertainty_free(&u);
     return status;
 }
@@ -197,6 +187,6 @@ int cmd_uncertainty(int argc, char **argv) {
     a.o.samples = 200;
     a.o.seed = 1;
     a.o.modes = 0;
-    cli_parse(&syntax, argc, argv, &a);
+    cli_parse(&cmd_uncertainty_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);
 }

@@ -35,4 +35,9 @@ void cli_plan_note(cli_plan *plan, const char *what, int64_t count);
 sp_status cli_plan_end(cli_plan *plan);
 void cli_plan_free(cli_plan *plan);
 
+/* Adds the rows of a study into the folder `store', which need not exist: which samples it has, and what the others
+ * would take. */
+sp_status cli_plan_study(cli_plan *plan, const sp_scene *study, const sp_study_options *opt, const char *store,
+                         sp_error *err);
+
 #endif

@@ -2,7 +2,6 @@
 #include "cli/excitation.h"
 
 #include "base/base.h"
-#include "cli/trace.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -19,11 +18,12 @@ static sp_status add(cli_places *p, sp_place at, bool named, sp_error *err) {
     return SP_OK;
 }
 
-sp_status cli_places_add(cli_places *p, const char *option, const char *word, sp_error *err) {
+sp_status cli_places_add(void *places, const char *word, sp_error *err) {
+    cli_places *p = places;
     sp_place at;
     bool named;
     const sp_status status = sp_place_read(word, p->sources, &at, &named, err);
-    return status == SP_OK ? add(p, at, named, err) : sp_fail_prefix(err, "%s", option);
+    return status == SP_OK ? add(p, at, named, err) : sp_fail_prefix(err, p->sources ? "--from" : "--detector");
 }
 
 sp_status cli_places_add_planes(cli_places *p, int64_t count, double height, sp_error *err) {
@@ -75,7 +75,8 @@ static sp_status numbers(const char *word, const char *at, int count, double *va
     return *at ? wrong_pulse(word, err) : SP_OK;
 }
 
-sp_status cli_pulse_parse(const char *word, cli_pulse *out, sp_error *err) {
+sp_status cli_pulse_parse(void *pulse, const char *word, sp_error *err) {
+    cli_pulse *out = pulse;
     const size_t length = strcspn(word, ":");
     double value[2] = {0, 0};
     if (strncmp(word, "file:", 5) == 0 && word[5]) {
@@ -116,9 +117,8 @@ sp_status cli_pulse_open(cli_pulse *p, sp_error *err) {
     sp_table t = sp_table_none();
     if (p->pulse.kind != SP_PULSE_TABLE || p->points)
         return SP_OK;
-    sp_status status = cli_read_table(path, &t, err);
-    if (status == SP_OK)
-        status = take_points(p, path, &t, err);
+    sp_status status = sp_table_read(path, &t, err);
+    CLI_THEN(status, take_points(p, path, &t, err));
     sp_table_free(&t);
     return status;
 }

@@ -17,8 +17,8 @@ typedef struct cli_places {
     bool named[CLI_PLACES_MAX]; /* the component */
 } cli_places;
 
-/* Adds a place. Messages name the option. */
-sp_status cli_places_add(cli_places *p, const char *option, const char *word, sp_error *err);
+/* Adds a place, of --from or --detector: parse() of these options. */
+sp_status cli_places_add(void *places, const char *word, sp_error *err);
 /* Adds `count` planes that divide the height into equal layers. */
 sp_status cli_places_add_planes(cli_places *p, int64_t count, double height, sp_error *err);
 /* Sets the component of all places that do not name one. An empty list becomes the whole wall. */
@@ -32,8 +32,8 @@ typedef struct cli_pulse {
     double *points; /* times and strengths of a file */
 } cli_pulse;
 
-/* Reads a word. A file is only named here: cli_pulse_open reads it. */
-sp_status cli_pulse_parse(const char *word, cli_pulse *out, sp_error *err);
+/* Reads a word into a cli_pulse: parse() of --pulse. A file is only named here: cli_pulse_open reads it. */
+sp_status cli_pulse_parse(void *pulse, const char *word, sp_error *err);
 sp_status cli_pulse_open(cli_pulse *p, sp_error *err);
 void cli_pulse_free(cli_pulse *p);
 

@@ -15,15 +15,19 @@ typedef struct cli_file {
 
 typedef enum cli_file_contents { CLI_PATH = 0, CLI_PACKING, CLI_NETWORK } cli_file_contents;
 
+/* What the syntax of commands on packings has in common. */
+#define CLI_ONE_PACKING .file_name = "packing", .files_min = 1, .files_max = 1, .finds_material = true
+#define CLI_PACKINGS    .file_name = "packing", .files_min = 1, .files_max = CLI_ANY_NUMBER, .finds_material = true
+
 /* What a command does with its files. `arguments` begin with a cli_common. */
 typedef struct cli_files {
     const char *groups;         /* groups of keys that --set takes */
     cli_file_contents contents; /* what of a cli_file is read before add() is called */
     bool stop;                  /* the first bad file ends the command; else it is reported, and the next is read */
-    sp_status (*begin)(void *arguments, sp_table *t, sp_error *err); /* adds columns; may be NULL */
+    sp_status (*begin)(void *arguments, cli_writer *w); /* adds columns; may be NULL */
     /* Adds the rows of one file. Its message needs no file name, unless contents is CLI_PATH. */
-    sp_status (*add)(void *arguments, cli_file *file, sp_table *t, sp_error *err);
-    sp_status (*end)(void *arguments, sp_table *t, sp_error *err); /* after the last file; may be NULL */
+    sp_status (*add)(void *arguments, cli_file *file, cli_writer *w);
+    sp_status (*end)(void *arguments, cli_writer *w); /* after the last file; may be NULL */
     /* With --dry-run, in place of the others: what one file would take; NULL: the command has no --dry-run. */
     sp_status (*plan)(void *arguments, const cli_file *file, cli_plan *plan, sp_error *err);
     unsigned kernels; /* that cost the most: bits 1 << sp_kernel */
@@ -31,6 +35,16 @@ typedef struct cli_files {
 
 /* Runs the command on common->file[] and writes the table. Returns the exit status. */
 int cli_run_files(const cli_files *command, void *arguments);
+
+/* Warnings of packings whose results nobody should trust. Before one is made: of a box that will be lower than 6
+ * diameters. Of a packing that is read: of such a box, or of more rattlers than carrying grains. */
+void cli_warn_low_box(const cli_common *common, const sp_pack_spec *spec);
+void cli_warn_packing(const cli_common *common, const char *path, const sp_packing *p, const sp_network *net);
+/* Adds the numbers of zero modes as comments. */
+void cli_zero_modes(cli_writer *w, const sp_zero_modes *z);
+
+/* Runs a command that prints one table and reads no packings. Returns the exit status. */
+int cli_run_table(void *arguments, sp_status (*work)(void *arguments, cli_writer *w));
 
 /* SP_EREFUSED for a packing in a periodic cell. `what`, such as "a front", begins at a wall. */
 sp_status cli_need_walls(const sp_packing *p, const char *what, sp_error *err);

@@ -37,12 +37,6 @@ static void print_line(char *line) {
     pthread_mutex_unlock(&lock);
 }
 
-static void say(const char *format, va_list args) {
-    char line[8192]; /* room for two names of files */
-    vsnprintf(line, sizeof line, format, args);
-    print_line(line);
-}
-
 int cli_fail(const sp_error *err) {
     char line[sizeof err->text];
     snprintf(line, sizeof line, "%s", err->text[0] ? err->text : sp_status_name(err->status));
@@ -51,29 +45,13 @@ int cli_fail(const sp_error *err) {
 }
 
 int cli_usage(const char *format, ...) {
+    char line[8192]; /* room for two names of files */
     va_list args;
     va_start(args, format);
-    say(format, args);
+    vsnprintf(line, sizeof line, format, args);
     va_end(args);
+    print_line(line);
     return CLI_USAGE;
-}
-
-void cli_note(const cli_common *common, const char *format, ...) {
-    if (common->quiet)
-        return;
-    va_list args;
-    va_start(args, format);
-    say(format, args);
-    va_end(args);
-}
-
-void cli_debug(const cli_common *common, const char *format, ...) {
-    if (!common->verbose)
-        return;
-    va_list args;
-    va_start(args, format);
-    say(format, args);
-    va_end(args);
 }
 
 static void duration_text(double seconds, char *buf, size_t size) {
@@ -116,10 +94,6 @@ static void progress_text(double fraction, double low, double high, int room, ch
     snprintf(buf, size, "%s%s", bar, left);
 }
 
-void cli_progress(const cli_common *common, const char *text, double fraction, double seconds_left) {
-    cli_progress_between(common, text, fraction, seconds_left, seconds_left);
-}
-
 /* A line in place of the one before on a terminal; elsewhere a line. The lock is held. */
 static void show(const char *line, bool terminal) {
     told_at = sp_clock_wall();
@@ -152,7 +126,7 @@ void cli_progress_end(void) {
     pthread_mutex_unlock(&lock);
 }
 
-/* ---- commands that tell nothing themselves ---------------------------------------------------------------------- */
+/* ---- commands that tell nothing themselves ----------------------------------------------------------------------- */
 
 static bool watching; /* under the lock */
 

@@ -1,10 +1,10 @@
 /* The command sonopack: finds the subcommand and runs it. */
-#include "cli/output.h"
-
 #include "base/base.h"
 #include "base/file.h"
+#include "cli/cli.h"
 
 #include <argp.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,33 +17,36 @@ extern void openblas_set_num_threads(int threads) __attribute__((weak)); /* othe
 static int help(int argc, char **argv);
 
 static const cli_command_row commands[] = {
-    {"pack", cmd_pack, "compress one packing of a scene"},
-    {"check", cmd_check, "check packings: overlaps, balance of forces, Coulomb's condition, walls"},
-    {"statics", cmd_statics, "densities, contacts, forces and stress of packings"},
-    {"moduli", cmd_moduli, "elastic moduli and speeds of long waves"},
-    {"modes", cmd_modes, "eigenfrequencies, and the weight of each mode in the signal"},
-    {"spectrum", cmd_spectrum, "density of states, transmission, dispersion, harmonic driving"},
-    {"signal", cmd_signal, "force on the top wall after a short pulse at the bottom wall"},
-    {"front", cmd_front, "arrival, peak and width of the first wave front"},
-    {"wave", cmd_wave, "phase speed and attenuation of the coherent wave inside packings"},
-    {"transport", cmd_transport, "diffusivity of sound's energy and mean free paths of its waves"},
-    {"amplitude", cmd_amplitude, "speed and shape of the front as the pulse grows loud"},
-    {"chain", cmd_chain, "chain of equal balls in closed form, of any length"},
-    {"sensitivity", cmd_sensitivity, "what each contact and grain does to the arrival, frequencies, moduli"},
-    {"uncertainty", cmd_uncertainty, "errors of the sound of a measured packing, from those of its grains"},
-    {"coda", cmd_coda, "where a packing has changed, from the change of late signals"},
-    {"design", cmd_design, "which grains to change so that a front is late, or a band is left out"},
-    {"study", cmd_study, "compute an ensemble of packings and their results; can be interrupted"},
-    {"table", cmd_table, "tables of a finished or running study"},
-    {"reproduce", cmd_dispatch, "compare the results of a paper with our own"},
-    {"column", cmd_column, "tapped column of particles, discrete and as a continuum"},
-    {"plot", cmd_dispatch, "draw figures"},
-    {"view", cmd_dispatch, "write a page that shows packings, modes and waves in a browser"},
-    {"convert", cmd_dispatch, "import and export packings"},
-    {"bench", cmd_bench, "measure each method's run time against its error"},
-    {"completion", cmd_completion, "print the completions for a shell: bash, zsh or fish"},
-    {"help", NULL, "explain a command, a key of scenes (`friction'), or all of them (`scene')"},
-    {NULL, NULL, NULL}};
+    {"pack", cmd_pack, &cmd_pack_syntax, "compress one packing of a scene"},
+    {"check", cmd_check, &cmd_check_syntax, "check packings: overlaps, balance of forces, Coulomb's condition, walls"},
+    {"statics", cmd_statics, &cmd_statics_syntax, "densities, contacts, forces and stress of packings"},
+    {"moduli", cmd_moduli, &cmd_moduli_syntax, "elastic moduli and speeds of long waves"},
+    {"modes", cmd_modes, &cmd_modes_syntax, "eigenfrequencies, and the weight of each mode in the signal"},
+    {"spectrum", cmd_spectrum, &cmd_spectrum_syntax, "density of states, transmission, dispersion, harmonic driving"},
+    {"signal", cmd_signal, &cmd_signal_syntax, "force on the top wall after a short pulse at the bottom wall"},
+    {"front", cmd_front, &cmd_front_syntax, "arrival, peak and width of the first wave front"},
+    {"wave", cmd_wave, &cmd_wave_syntax, "phase speed and attenuation of the coherent wave inside packings"},
+    {"transport", cmd_transport, &cmd_transport_syntax,
+     "diffusivity of sound's energy and mean free paths of its waves"},
+    {"amplitude", cmd_amplitude, &cmd_amplitude_syntax, "speed and shape of the front as the pulse grows loud"},
+    {"chain", cmd_chain, &cmd_chain_syntax, "chain of equal balls in closed form, of any length"},
+    {"sensitivity", cmd_sensitivity, &cmd_sensitivity_syntax,
+     "what each contact and grain does to the arrival, frequencies, moduli"},
+    {"uncertainty", cmd_uncertainty, &cmd_uncertainty_syntax,
+     "errors of the sound of a measured packing, from those of its grains"},
+    {"coda", cmd_coda, &cmd_coda_syntax, "where a packing has changed, from the change of late signals"},
+    {"design", cmd_design, &cmd_design_syntax, "which grains to change so that a front is late, or a band is left out"},
+    {"study", cmd_study, &cmd_study_syntax, "compute an ensemble of packings and their results; can be interrupted"},
+    {"table", cmd_table, &cmd_table_syntax, "tables of a finished or running study"},
+    {"reproduce", cmd_dispatch, NULL, "compare the results of a paper with our own"},
+    {"column", cmd_column, &cmd_column_syntax, "tapped column of particles, discrete and as a continuum"},
+    {"plot", cmd_dispatch, NULL, "draw figures"},
+    {"view", cmd_dispatch, NULL, "write a page that shows packings, modes and waves in a browser"},
+    {"convert", cmd_dispatch, NULL, "import and export packings"},
+    {"bench", cmd_dispatch, NULL, "measure each method's run time against its error"},
+    {"completion", cmd_completion, &cmd_completion_syntax, "print the completions for a shell: bash, zsh or fish"},
+    {"help", NULL, NULL, "explain a command, a key of scenes (`friction'), or all of them (`scene')"},
+    {NULL, NULL, NULL, NULL}};
 enum { COMMANDS = sizeof commands / sizeof *commands - 1 };
 
 static const cli_command_row *find(const char *name) {

@@ -9,7 +9,7 @@
 
 static const double largest_grain = 0.1, smallest_grain = 1e-7; /* m; beyond, another unit was meant */
 
-/* ---- --material ------------------------------------------------------------------------------------------------- */
+/* ---- --material -------------------------------------------------------------------------------------------------- */
 
 /* Appends KEY=VALUE with the value in its SI unit, if it is given with one. */
 static sp_status put_value(const char *word, size_t length, char *text, size_t size, sp_error *err) {
@@ -40,12 +40,11 @@ sp_status cli_set_material(void *arguments, const char *text, sp_error *err) {
         status = put_value(at, length, plain, sizeof plain, err);
         at += length;
     }
-    if (status == SP_OK)
-        status = sp_material_read(plain, &((cli_common *)arguments)->material, err);
+    CLI_THEN(status, sp_material_read(plain, &((cli_common *)arguments)->material, err));
     return status == SP_OK ? SP_OK : sp_fail_prefix(err, "--material");
 }
 
-/* ---- options that wait ------------------------------------------------------------------------------------------ */
+/* ---- options that wait ------------------------------------------------------------------------------------------- */
 
 static const char *unit_of(const cli_option *o) {
     const sp_key *range = o->key ? sp_field_limits(sp_field_find(o->key)) : NULL;
@@ -81,7 +80,7 @@ sp_status cli_set_quantities(void *arguments, const sp_material *m, sp_error *er
     return SP_OK;
 }
 
-/* ---- the material that counts ----------------------------------------------------------------------------------- */
+/* ---- the material that counts ------------------------------------------------------------------------------------ */
 
 static bool is_known(const sp_material *m) { return m->young > 0; }
 
@@ -179,7 +178,7 @@ void cli_note_material(const cli_common *common, const sp_scene *scene) {
             m->poisson, scene->pack.poisson);
 }
 
-/* ---- tables ----------------------------------------------------------------------------------------------------- */
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
 
 static bool has_own_units(const sp_table *t) {
     for (int c = 0; c < t->columns; c++)

@@ -32,7 +32,44 @@ sp_status cli_integer(const char *option, const char *text, int64_t low, int64_t
     return SP_OK;
 }
 
-/* ---- words ------------------------------------------------------------------------------------------------------ */
+/* The number in the first `length' characters. */
+static sp_status part_number(const char *option, const char *text, size_t length, double low, double high, double *out,
+                             sp_error *err) {
+    char word[64];
+    if (length >= sizeof word)
+        return sp_fail(err, SP_EINVAL, "%s %.60s: must be a number %g .. %g", option, text, low, high);
+    snprintf(word, sizeof word, "%.*s", (int)length, text);
+    if (isfinite(high) || strcmp(word, "inf") != 0)
+        return cli_number(option, word, low, high, out, err);
+    *out = INFINITY;
+    return SP_OK;
+}
+
+sp_status cli_numbers(const char *option, const char *text, double low, double high, int32_t capacity, int32_t *n,
+                      double *out, sp_error *err) {
+    for (*n = 0;; text++) {
+        const size_t length = strcspn(text, ",");
+        if (*n == capacity)
+            return sp_fail(err, SP_EINVAL, "%s: more than %d numbers", option, capacity);
+        const sp_status status = part_number(option, text, length, low, high, &out[(*n)++], err);
+        text += length;
+        if (status != SP_OK || *text == '\0')
+            return status;
+    }
+}
+
+sp_status cli_pair(const char *option, const char *text, double low, double high, double out[2], sp_error *err) {
+    const char *colon = strchr(text, ':');
+    if (!colon)
+        return sp_fail(err, SP_EINVAL, "%s %.60s: must be LOW:HIGH", option, text);
+    sp_status status = part_number(option, text, (size_t)(colon - text), low, high, &out[0], err);
+    CLI_THEN(status, part_number(option, colon + 1, strlen(colon + 1), low, high, &out[1], err));
+    if (status == SP_OK && !(out[0] < out[1]))
+        status = sp_fail(err, SP_EINVAL, "%s %.60s: LOW must be below HIGH", option, text);
+    return status;
+}
+
+/* ---- words ------------------------------------------------------------------------------------------------------- */
 
 const char *const cli_source_names[] = {[SP_SOURCE_IMPULSE] = "impulse",
                                         [SP_SOURCE_VELOCITY] = "velocity",
@@ -84,53 +121,33 @@ int cli_nearest(const char *word, const char *(*name)(int k, const void *user), 
     return near;
 }
 
-/* ---- frequencies ------------------------------------------------------------------------------------------------ */
+/* ---- frequencies ------------------------------------------------------------------------------------------------- */
+
+static const double frequency_low = 1e-12, frequency_high = 1e9;
 
 static sp_status wrong_frequencies(const char *text, sp_error *err) {
     return sp_fail(err, SP_EINVAL, "--at %.60s: must be W1,W2,... or LOW:HIGH:N", text);
 }
 
-static sp_status one_frequency(const char *text, size_t length, double *out, sp_error *err) {
-    char word[64];
-    if (length >= sizeof word)
-        return wrong_frequencies(text, err);
-    snprintf(word, sizeof word, "%.*s", (int)length, text);
-    return cli_number("--at", word, 1e-12, 1e9, out, err);
-}
-
-static sp_status parse_list(const char *text, int32_t capacity, int32_t *n, double *omega, sp_error *err) {
-    for (*n = 0;; text++) {
-        const size_t length = strcspn(text, ",");
-        if (*n == capacity)
-            return sp_fail(err, SP_EINVAL, "--at: more than %d frequencies", capacity);
-        sp_status status = one_frequency(text, length, &omega[(*n)++], err);
-        text += length;
-        if (status != SP_OK || *text == '\0')
-            return status;
-    }
-}
-
 static sp_status parse_range(const char *text, int32_t capacity, int32_t *n, double *omega, sp_error *err) {
     const char *one = strchr(text, ':'), *two = strchr(one + 1, ':');
-    double low = 0, high = 0;
+    char pair[128];
+    double range[2];
     int64_t count;
-    if (!two)
+    snprintf(pair, sizeof pair, "%.*s", two ? (int)(two - text) : 0, text);
+    if (!two || strlen(pair) < (size_t)(two - text))
         return wrong_frequencies(text, err);
-    sp_status status = one_frequency(text, (size_t)(one - text), &low, err);
-    if (status == SP_OK)
-        status = one_frequency(one + 1, (size_t)(two - one - 1), &high, err);
-    if (status == SP_OK)
-        status = cli_integer("--at: N", two + 1, 2, capacity, &count, err);
-    if (status == SP_OK && !(low < high))
-        status = sp_fail(err, SP_EINVAL, "--at %.60s: LOW must be below HIGH", text);
+    sp_status status = cli_pair("--at", pair, frequency_low, frequency_high, range, err);
+    CLI_THEN(status, cli_integer("--at: N", two + 1, 2, capacity, &count, err));
     if (status != SP_OK)
         return status;
     *n = (int32_t)count;
     for (int32_t l = 0; l < *n; l++)
-        omega[l] = l < *n - 1 ? low + (high - low) * l / (*n - 1) : high;
+        omega[l] = l < *n - 1 ? range[0] + (range[1] - range[0]) * l / (*n - 1) : range[1];
     return SP_OK;
 }
 
 sp_status cli_frequencies(const char *text, int32_t capacity, int32_t *n, double *omega, sp_error *err) {
-    return strchr(text, ':') ? parse_range(text, capacity, n, omega, err) : parse_list(text, capacity, n, omega, err);
+    return strchr(text, ':') ? parse_range(text, capacity, n, omega, err)
+                             : cli_numbers("--at", text, frequency_low, frequency_high, capacity, n, omega, err);
 }

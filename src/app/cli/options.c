@@ -1,12 +1,11 @@
 /* Reads the command lines of all commands: their own options, the common ones, and the scene of --set. */
-#include "cli/cli.h"
+#include "cli/excitation.h"
 
 #include "base/base.h"
 #include "scene/field.h"
 
 #include <argp.h>
 #include <sched.h>
-#include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,37 +13,15 @@
 
 enum { FIRST_KEY = 0x1000, USAGE_KEY = 0x2000, OPTIONS_MAX = 60, THREADS_MAX = 4096 };
 
-/* ---- options of many commands ----------------------------------------------------------------------------------- */
+/* ---- options of many commands ------------------------------------------------------------------------------------ */
 
-static sp_status set_quiet(void *arguments, const char *text, sp_error *err) {
-    cli_common *common = arguments;
-    (void)text, (void)err;
-    common->quiet = true;
-    common->verbose = false;
-    return SP_OK;
-}
-
-static sp_status set_verbose(void *arguments, const char *text, sp_error *err) {
-    cli_common *common = arguments;
-    (void)text, (void)err;
-    common->verbose = true;
-    common->quiet = false;
-    return SP_OK;
-}
-
-static sp_status set_threads(void *arguments, const char *text, sp_error *err) {
-    int64_t threads;
-    sp_status status = cli_integer("--threads", text, 1, THREADS_MAX, &threads, err);
-    if (status == SP_OK)
-        ((cli_common *)arguments)->threads = (int)threads;
-    return status;
-}
+static const char *const format_words[] = {[SP_TSV] = "tsv", [SP_CSV] = "csv", [SP_JSON] = "json", NULL};
+static const char *const units_words[] = {[CLI_UNITS_OWN] = "own", [CLI_UNITS_SI] = "si", NULL};
 
 static sp_status set_format(void *arguments, const char *text, sp_error *err) {
-    static const char *const words[] = {[SP_TSV] = "tsv", [SP_CSV] = "csv", [SP_JSON] = "json", NULL};
     cli_common *common = arguments;
     int format = SP_TSV;
-    sp_status status = cli_choose("--format", text, words, &format, err);
+    sp_status status = cli_choose("--format", text, format_words, &format, err);
     common->format = (sp_table_format)format;
     common->format_given = true;
     return status;
@@ -59,11 +36,6 @@ static sp_status add_set(void *arguments, const char *text, sp_error *err) {
     return SP_OK;
 }
 
-static sp_status set_units(void *arguments, const char *text, sp_error *err) {
-    static const char *const words[] = {[CLI_UNITS_OWN] = "own", [CLI_UNITS_SI] = "si", NULL};
-    return cli_choose("--units", text, words, &((cli_common *)arguments)->units, err);
-}
-
 static const cli_option springs_options[] = {
     {.help = "Springs:"},
     {"threshold", "F", "Use only contacts with a normal force above F p d^2 (1e-4)", CLI_NUMBER, .scene = true,
@@ -76,16 +48,17 @@ static const cli_option common_options[] = {
     {.help = "Common options:"},
     {"output", "FILE", "Write to FILE instead of printing; its ending sets the format", CLI_TEXT,
      .field = offsetof(cli_common, output), .letter = 'o'},
-    {"format", "tsv|csv|json", "Format of the table (tsv)", .parse = set_format},
+    {"format", "tsv|csv|json", "Format of the table (tsv)", .parse = set_format, .words = format_words},
     {"force", NULL, "Replace an existing file of the same kind", CLI_FLAG, .field = offsetof(cli_common, force)},
     {"set", "KEY=VALUE", "Override a key of the scene (repeatable; see `sonopack help scene')", .parse = add_set},
     {"units", "own|si", "Units of tables: own, in d, E* and rho, or SI, for which a material is needed (own)",
-     .parse = set_units},
+     CLI_CHOICE, .field = offsetof(cli_common, units), .words = units_words},
     {"material", "E=..,nu=..,rho=..,d=..",
      "Material of the grains, in Pa, kg/m^3 and m, instead of that of scene or file", .parse = cli_set_material},
-    {"threads", "N", "Number of threads (one per core)", .parse = set_threads},
-    {"quiet", NULL, "Print no messages and no progress", .parse = set_quiet, .letter = 'q'},
-    {"verbose", NULL, "Print more messages", .parse = set_verbose, .letter = 'v'},
+    {"threads", "N", "Number of threads (one per core)", CLI_INT, .field = offsetof(cli_common, threads), .low = 1,
+     .high = THREADS_MAX},
+    {"quiet", NULL, "Print no messages and no progress", CLI_FLAG, .field = offsetof(cli_common, quiet), .letter = 'q'},
+    {"verbose", NULL, "Print more messages", CLI_FLAG, .field = offsetof(cli_common, verbose), .letter = 'v'},
     {0}};
 
 /* Instead of argp's own, which know no -h. */
@@ -94,7 +67,6 @@ static const struct argp_option help_options[] = {{"help", 'h', NULL, 0, "Print 
                                                   {"version", 'V', NULL, 0, "Print the version", 0}};
 enum { HELP_OPTIONS = sizeof help_options / sizeof *help_options };
 
-/* Number of cores that this process may use. */
 static int cores(void) {
     cpu_set_t set;
     if (sched_getaffinity(0, sizeof set, &set) == 0 && CPU_COUNT(&set) > 0)
@@ -103,7 +75,7 @@ static int cores(void) {
     return online > 0 && online <= THREADS_MAX ? (int)online : 1;
 }
 
-/* ---- the command line ------------------------------------------------------------------------------------------- */
+/* ---- the command line -------------------------------------------------------------------------------------------- */
 
 /* A command line while argp reads it. The key of option k is FIRST_KEY + k, or its letter. */
 typedef struct reading {
@@ -151,9 +123,8 @@ static int find_option(const reading *r, int key) {
     return -1;
 }
 
-/* An option's value goes to the field, or where its parse() knows within `base'; common keeps what has a unit. */
-static sp_status set_field(cli_common *common, const cli_option *o, void *base, void *field, const char *text,
-                           sp_error *err) {
+/* An option's value goes to the field; common keeps what has a unit. */
+static sp_status set_field(cli_common *common, const cli_option *o, void *field, const char *text, sp_error *err) {
     char name[64];
     const sp_key *range = o->key ? sp_field_limits(sp_field_find(o->key)) : NULL;
     const double low = range ? range->low : o->low, high = range ? range->high : o->high;
@@ -173,7 +144,9 @@ static sp_status set_field(cli_common *common, const cli_option *o, void *base, 
         *(int32_t *)field = status == SP_OK ? (int32_t)integer : 0;
         return status;
     case CLI_CHOICE: return cli_choose(name, text, o->words, field, err);
-    case CLI_PARSED: return o->parse(base, text, err);
+    case CLI_PAIR: return cli_pair(name, text, low, high, field, err);
+    case CLI_DASHPOTS: return cli_damping_read(text, low, high, field, err);
+    case CLI_PARSED: return o->parse(field, text, err);
     }
     return SP_OK;
 }
@@ -181,7 +154,7 @@ static sp_status set_field(cli_common *common, const cli_option *o, void *base, 
 static sp_status set_option(const cli_option *o, void *arguments, const char *text, sp_error *err) {
     cli_common *common = arguments;
     if (!o->scene)
-        return set_field(common, o, arguments, (char *)arguments + o->field, text, err);
+        return set_field(common, o, (char *)arguments + o->field, text, err);
     if (common->lates == CLI_LATE_MAX)
         return sp_fail(err, SP_EINVAL, "--%s: too many options", o->name);
     common->late[common->lates++] = (cli_quantity){.option = o, .text = text};
@@ -208,7 +181,7 @@ sp_status cli_set_scene(cli_common *common, sp_scene *scene, sp_error *err) {
         const sp_field *f = o->key ? sp_field_find(o->key) : NULL;
         void *field = (char *)scene + (f ? f->offset : o->field);
         status = f && f->words ? set_word(o, f->words, field, common->late[k].text, err)
-                               : set_field(common, o, scene, field, common->late[k].text, err);
+                               : set_field(common, o, field, common->late[k].text, err);
     }
     return status == SP_OK && common->material.young > 0 ? cli_set_quantities(common, &common->material, err) : status;
 }
@@ -224,7 +197,6 @@ static bool has_word(const char *words, const char *word, size_t length) {
     return false;
 }
 
-/* Refuses an option that does not apply to the kind. */
 static sp_status check_option(const reading *r, const cli_option *o, const char *kind, sp_error *err) {
     char list[200] = "";
     size_t used = 0;
@@ -245,16 +217,25 @@ static sp_status check_kind(const reading *r, cli_common *common, sp_error *err)
     sp_status status = cli_choose(s->kind_name, common->file[0], s->kinds, &common->kind, err);
     common->file++;
     common->files--;
+    return status;
+}
+
+/* Refuses options that do not apply to the kind. */
+static sp_status check_options(const reading *r, const cli_common *common, const char *const *kinds, sp_error *err) {
+    sp_status status = SP_OK;
     for (int k = 0; k < r->count && k < 64 && status == SP_OK; k++)
         if (common->given >> k & 1)
-            status = check_option(r, r->option[k], s->kinds[common->kind], err);
+            status = check_option(r, r->option[k], kinds[common->kind], err);
     return status;
 }
 
 static sp_status check_arguments(const reading *r, sp_error *err) {
     const cli_syntax *s = r->syntax;
     cli_common *common = r->arguments;
+    const char *const *kinds = s->kinds ? s->kinds : s->kinds_by_option;
     sp_status status = s->kinds ? check_kind(r, common, err) : SP_OK;
+    if (status == SP_OK && kinds)
+        status = check_options(r, common, kinds, err);
     if (status == SP_OK && s->not_si && common->units == CLI_UNITS_SI)
         status = sp_fail(err, SP_EINVAL, "--units si: %s", s->not_si);
     if (status == SP_OK && (common->material.young > 0 || !s->finds_material))
@@ -271,7 +252,7 @@ static sp_status check_arguments(const reading *r, sp_error *err) {
     return status;
 }
 
-/* ---- words of the command line before argp reads them ----------------------------------------------------------- */
+/* ---- words of the command line before argp reads them ------------------------------------------------------------ */
 
 /* The row of argp whose long name a word is or begins, as argp takes it; -1: none, -2: several. */
 static int find_long(const reading *r, const char *word, size_t length) {
@@ -365,25 +346,7 @@ static error_t parse(int key, char *text, struct argp_state *state) {
     return 0;
 }
 
-/* cli_syntax_of runs a command up to here, where it has done nothing yet, and jumps back. */
-static struct {
-    bool asked;
-    jmp_buf back;
-    const cli_syntax *syntax;
-} question;
-
 const cli_command_row *cli_commands;
-
-const cli_syntax *cli_syntax_of(const cli_command_row *command) {
-    char name[64], *arguments[] = {name, NULL};
-    snprintf(name, sizeof name, "sonopack %s", command->name);
-    question.syntax = NULL;
-    question.asked = true;
-    if (command->run && setjmp(question.back) == 0)
-        command->run(1, arguments);
-    question.asked = false;
-    return question.syntax;
-}
 
 const cli_option *cli_option_at(const cli_syntax *syntax, int k) {
     const cli_option *const lists[] = {syntax->options, syntax->springs ? springs_options : NULL, common_options};
@@ -396,10 +359,6 @@ const cli_option *cli_option_at(const cli_syntax *syntax, int k) {
 
 void cli_parse(const cli_syntax *syntax, int argc, char **argv, void *arguments) {
     cli_common *common = arguments;
-    if (question.asked) {
-        question.syntax = syntax;
-        longjmp(question.back, 1);
-    }
     reading r = {.syntax = syntax, .command = argv[0] + strlen("sonopack "), .arguments = arguments};
     add_options(&r, syntax->options, 0);
     if (syntax->springs)

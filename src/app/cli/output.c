@@ -1,6 +1,5 @@
 /* Writes tables to stdout or to files, and decides which files may be replaced. */
-#include "cli/output.h"
-#include "cli/traces.h"
+#include "cli/cli.h"
 
 #include "base/base.h"
 #include "base/file.h"
@@ -18,30 +17,26 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* ---- kinds of files --------------------------------------------------------------------------------------------- */
+/* ---- kinds of files ---------------------------------------------------------------------------------------------- */
 
 typedef enum file_kind {
     KIND_UNKNOWN,
     KIND_HDF5,
-    KIND_PNG,
-    KIND_PDF,
-    KIND_MARKUP,
     KIND_JSON,
-    KIND_PACKING, /* as text */
+    KIND_PACKING /* as text */,
     KIND_MAT,
     KIND_SAC,
-    KIND_TEXT
+    KIND_TEXT,
+    KIND_OTHER
 } file_kind;
 
 static const struct {
     const char *ending;
     file_kind kind;
-} endings[] = {{".h5", KIND_HDF5},    {".hdf5", KIND_HDF5},   {".png", KIND_PNG},    {".pdf", KIND_PDF},
-               {".svg", KIND_MARKUP}, {".html", KIND_MARKUP}, {".htm", KIND_MARKUP}, {".vtp", KIND_MARKUP},
-               {".json", KIND_JSON},  {".tsv", KIND_TEXT},    {".csv", KIND_TEXT},   {".txt", KIND_PACKING},
-               {".xyz", KIND_TEXT},   {".extxyz", KIND_TEXT}, {".data", KIND_TEXT},  {".lammps", KIND_TEXT},
-               {".dump", KIND_TEXT},  {".pvd", KIND_MARKUP},  {".vtm", KIND_MARKUP}, {".mat", KIND_MAT},
-               {".sac", KIND_SAC},    {".slist", KIND_TEXT}};
+} endings[] = {{".h5", KIND_HDF5},    {".hdf5", KIND_HDF5},   {".json", KIND_JSON}, {".tsv", KIND_TEXT},
+               {".csv", KIND_TEXT},   {".txt", KIND_PACKING}, {".mat", KIND_MAT},   {".sac", KIND_SAC},
+               {".slist", KIND_TEXT}, {".png", KIND_OTHER},   {".pdf", KIND_OTHER}, {".svg", KIND_OTHER},
+               {".html", KIND_OTHER}, {".vtp", KIND_OTHER},   {".xyz", KIND_OTHER}, {".dump", KIND_OTHER}};
 
 static const char *ending_of(const char *path) {
     const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path, *dot = strrchr(name, '.');
@@ -49,6 +44,10 @@ static const char *ending_of(const char *path) {
 }
 
 bool cli_has_ending(const char *path, const char *ending) { return strcasecmp(ending_of(path), ending) == 0; }
+
+bool cli_is_foreign_table(const char *path) {
+    return cli_has_ending(path, ".mat") || cli_has_ending(path, ".sac") || cli_has_ending(path, ".slist");
+}
 
 static file_kind kind_by_ending(const char *path) {
     for (size_t k = 0; k < sizeof endings / sizeof *endings; k++)
@@ -67,8 +66,7 @@ static file_kind kind_by_content(const char *head, size_t size) {
     static const struct {
         const char *magic;
         file_kind kind;
-    } magics[] = {
-        {"\211HDF\r\n\032\n", KIND_HDF5}, {"\211PNG\r\n\032\n", KIND_PNG}, {"%PDF-", KIND_PDF}, {"MATLAB 5", KIND_MAT}};
+    } magics[] = {{"\211HDF\r\n\032\n", KIND_HDF5}, {"%PDF-", KIND_OTHER}, {"MATLAB 5", KIND_MAT}};
     for (size_t k = 0; k < sizeof magics / sizeof *magics; k++)
         if (size >= strlen(magics[k].magic) && memcmp(head, magics[k].magic, strlen(magics[k].magic)) == 0)
             return magics[k].kind;
@@ -80,7 +78,7 @@ static file_kind kind_by_content(const char *head, size_t size) {
     while (first < size && isspace((unsigned char)head[first]))
         first++;
     const char c = head[first];
-    return c == '<' ? KIND_MARKUP : c == '{' || c == '[' ? KIND_JSON : KIND_TEXT;
+    return c == '<' ? KIND_OTHER : c == '{' || c == '[' ? KIND_JSON : KIND_TEXT;
 }
 
 /* Checks that an existing file is of the kind that its name says. */
@@ -112,9 +110,8 @@ static sp_status check_hdf5(const char *path, bool modes, sp_error *err) {
                    modes ? "no file of modes" : "a file of modes");
 }
 
-/* as: an ending that says the kind. */
-static sp_status may_write(const cli_common *common, const char *path, const char *as, bool modes, sp_error *err) {
-    file_kind kind = kind_by_ending(as);
+static sp_status may_write(const cli_common *common, const char *path, bool modes, sp_error *err) {
+    file_kind kind = kind_by_ending(path);
     struct stat info;
     if (path[0] == '\0')
         return sp_fail(err, SP_EINVAL, "-o: the file name is empty");
@@ -127,8 +124,7 @@ static sp_status may_write(const cli_common *common, const char *path, const cha
         kind = common->format == SP_JSON ? KIND_JSON : KIND_TEXT;
     if (kind == KIND_UNKNOWN)
         return sp_fail(err, SP_EINVAL,
-                       "%s: unknown ending \"%s\": must be .tsv, .csv or .json for a table, .h5 or .txt for a packing, "
-                       ".svg, .png or .pdf for a figure, .html for a page",
+                       "%s: unknown ending \"%s\": must be .tsv, .csv or .json for a table, .h5 or .txt for a packing",
                        path, ending_of(path));
     if (exists) {
         sp_status status = check_kind(path, kind, err);
@@ -154,17 +150,11 @@ static sp_status may_write(const cli_common *common, const char *path, const cha
 }
 
 sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err) {
-    return may_write(common, path, path, false, err);
-}
-
-sp_status cli_may_write_as(const cli_common *common, const char *path, const char *ending, sp_error *err) {
-    char as[16] = "x"; /* a name, for an ending alone is none */
-    snprintf(as + 1, sizeof as - 1, "%s", ending);
-    return may_write(common, path, as, false, err);
+    return may_write(common, path, false, err);
 }
 
 sp_status cli_may_write_modes(const cli_common *common, const char *path, sp_error *err) {
-    return may_write(common, path, path, true, err);
+    return may_write(common, path, true, err);
 }
 
 sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
@@ -176,13 +166,15 @@ sp_status cli_load_start(sp_scene *scene, sp_packing *from, sp_error *err) {
     return sp_pack_spec_from(&scene->pack, from, err);
 }
 
-/* ---- tables ----------------------------------------------------------------------------------------------------- */
+/* ---- tables ------------------------------------------------------------------------------------------------------ */
 
 static sp_status table_format(const cli_common *common, sp_table_format *out, sp_error *err) {
     static const char *const names[] = {[SP_TSV] = ".tsv", [SP_CSV] = ".csv", [SP_JSON] = ".json"};
     *out = common->format;
-    if (!common->output || (cli_is_foreign_table(common->output) && !common->format_given))
+    if (!common->output)
         return SP_OK;
+    if (cli_is_foreign_table(common->output) && !common->format_given)
+        return cli_may_save_foreign(err);
     for (unsigned k = 0; k < sizeof names / sizeof *names; k++) {
         if (!cli_has_ending(common->output, names[k]))
             continue;
@@ -227,34 +219,26 @@ sp_status cli_print(const char *text, sp_error *err) {
     return sp_fail(err, SP_EIO, "standard output: %s", strerror(errno));
 }
 
-/* The names of files beside common->output follow from the table, and are checked here. */
-static sp_status write_foreign(const cli_common *common, const sp_table *t, sp_error *err) {
-    char name[SP_PATH_MAX];
-    int files = 0;
-    sp_status status = cli_foreign_files(t, common->output, &files, err);
-    for (int k = 0; k < files && files > 1 && status == SP_OK; k++) {
-        status = cli_foreign_name(t, common->output, k, name, err);
-        if (status == SP_OK)
-            status = cli_may_write(common, name, err);
-    }
-    return status == SP_OK ? cli_foreign_write(t, common->output, err) : status;
+sp_status cli_write_table_to(const cli_common *to, const char *path, sp_table *t, sp_error *err) {
+    cli_common there = *to;
+    there.output = path;
+    return cli_write_table(&there, t, err);
 }
 
 sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) {
     sp_table_format format;
     sp_status status = table_format(common, &format, err);
-    if (status == SP_OK)
-        status = sp_table_add_comment(t, err, "sonopack %s", SONOPACK_VERSION);
-    if (status == SP_OK)
-        status = cli_convert_table(common, t, err);
-    if (status == SP_OK && common->output && cli_is_foreign_table(common->output))
-        return write_foreign(common, t, err);
+    CLI_THEN(status, sp_table_add_comment(t, err, "sonopack %s", SONOPACK_VERSION));
+    CLI_THEN(status, cli_convert_table(common, t, err));
     if (status != SP_OK)
         return status;
-    char *text = sp_table_text(t, format);
+    const bool foreign = common->output && cli_is_foreign_table(common->output);
+    char *text = sp_table_text(t, foreign ? SP_TSV : format);
     if (!text)
         return sp_fail_memory(err, (size_t)(t->rows * t->columns) * 24);
-    status = common->output ? sp_text_save(common->output, text, strlen(text), err) : cli_print(text, err);
+    status = foreign          ? cli_save_foreign(common, text, err)
+             : common->output ? sp_text_save(common->output, text, strlen(text), err)
+                              : cli_print(text, err);
     sp_free(text);
     return status;
 }
@@ -281,14 +265,19 @@ void cli_columns(cli_writer *w, sp_column_kind kind, ...) {
     va_end(list);
 }
 
+void cli_place_columns(cli_writer *w, int dim) {
+    static const char *const axes[] = {"x", "y", "z"};
+    for (int a = 0; a < dim; a++)
+        cli_columns(w, SP_COLUMN_NUMBER, axes[a], "d", NULL);
+}
+
 void cli_comment(cli_writer *w, const char *format, ...) {
     char line[2048]; /* as sp_table_add_comment has */
     va_list list;
     va_start(list, format);
     vsnprintf(line, sizeof line, format, list);
     va_end(list);
-    if (w->status == SP_OK)
-        w->status = sp_table_add_comment(w->table, w->err, "%s", line);
+    CLI_THEN(w->status, sp_table_add_comment(w->table, w->err, "%s", line));
 }
 
 void cli_value(cli_writer *w, const char *key, double value) {
@@ -324,7 +313,20 @@ void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbo
 }
 
 void cli_end_row(cli_writer *w) {
-    if (w->status == SP_OK)
-        w->status = sp_table_add_cells(w->table, w->cell, w->err);
+    CLI_THEN(w->status, sp_table_add_cells(w->table, w->cell, w->err));
     w->cells = 0;
+}
+
+sp_status cli_row(cli_writer *w, ...) {
+    va_list list;
+    va_start(list, w);
+    for (int c = 0; w->status == SP_OK && c < w->table->columns; c++)
+        switch (w->table->column[c].kind) {
+        case SP_COLUMN_INTEGER: w->cell[c].integer = va_arg(list, int64_t); break;
+        case SP_COLUMN_NUMBER: w->cell[c].number = va_arg(list, double); break;
+        case SP_COLUMN_TEXT: w->cell[c].text = va_arg(list, char *); break;
+        }
+    va_end(list);
+    cli_end_row(w);
+    return w->status;
 }

@@ -7,6 +7,7 @@
 
 typedef struct cli_ranks {
     int rank, size;
+    bool mpi;                    /* this build has it */
     int64_t (*take)(void *user); /* for sp_study_options: the next sample; NULL: a single process */
 } cli_ranks;
 

@@ -1,4 +1,5 @@
-/* Finds out from the environment which launcher has started this process. */
+/* Finds out from the environment which launcher has started this process, and whether it may work. */
+#include "base/base.h"
 #include "cli/ranks.h"
 
 #include <stdlib.h>
@@ -24,4 +25,16 @@ cli_launch cli_launch_of_environment(void) {
         launch.variable = sizes[k];
     }
     return launch;
+}
+
+sp_status cli_ranks_check(const cli_ranks *group, int shards, sp_error *err) {
+    const cli_launch launch = cli_launch_of_environment();
+    if (launch.processes <= 1 || group->size > 1 || shards > 1)
+        return SP_OK;
+    return sp_fail(err, SP_EINVAL,
+                   "%d processes were started (%s), but %s, so that each would print all tables: %s, or give each its "
+                   "--shard I/%d",
+                   launch.processes, launch.variable, group->mpi ? "not as one MPI job" : "this build has no MPI",
+                   group->mpi ? "start them with mpirun or srun --mpi=pmix" : "build with -DSONOPACK_MPI=ON",
+                   launch.processes);
 }

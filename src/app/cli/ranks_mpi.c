@@ -7,7 +7,6 @@
 #include "cli/ranks.h"
 
 #include "base/base.h"
-#include "base/hash.h"
 
 #include <math.h>
 #include <mpi.h>
@@ -82,7 +81,6 @@ static void send_request(request_kind kind) {
 
 static void send_answer(int rank, answer a) { MPI_Send(&a, (int)sizeof a, MPI_BYTE, rank, 0, MPI_COMM_WORLD); }
 
-/* Receives one message, if there is one. */
 static bool receive(void *message, size_t size, int *from) {
     MPI_Status status;
     int there = 0;
@@ -94,7 +92,6 @@ static bool receive(void *message, size_t size, int *from) {
     return there;
 }
 
-/* Rank 0: handles a request. */
 static void handle(int from, const request *q) {
     other *o = &ranks.other[from];
     o->study = q->study;
@@ -251,7 +248,7 @@ static void leave(int status, void *nothing) {
 }
 
 sp_status cli_ranks_start(cli_ranks *out, sp_error *err) {
-    *out = (cli_ranks){.rank = 0, .size = 1};
+    *out = (cli_ranks){.size = 1, .mpi = true};
     if (!cli_launch_of_environment().mpi)
         return SP_OK;
     pthread_condattr_t attributes;
@@ -271,21 +268,10 @@ sp_status cli_ranks_start(cli_ranks *out, sp_error *err) {
     pthread_mutex_lock(&ranks.lock);
     while (!ranks.up)
         pthread_cond_wait(&ranks.changed, &ranks.lock);
-    *out = (cli_ranks){.rank = ranks.rank, .size = ranks.size, .take = ranks.size > 1 ? take : NULL};
+    *out = (cli_ranks){.rank = ranks.rank, .size = ranks.size, .mpi = true, .take = ranks.size > 1 ? take : NULL};
     pthread_mutex_unlock(&ranks.lock);
     on_exit(leave, NULL);
     return SP_OK;
-}
-
-sp_status cli_ranks_check(const cli_ranks *group, int shards, sp_error *err) {
-    const cli_launch launch = cli_launch_of_environment();
-    if (launch.processes <= 1 || group->size > 1 || shards > 1)
-        return SP_OK;
-    return sp_fail(
-        err, SP_EINVAL,
-        "%d processes were started (%s), but not as one MPI job, so that each would print all tables: start them "
-        "with mpirun or srun --mpi=pmix, or give each its --shard I/%d",
-        launch.processes, launch.variable, launch.processes);
 }
 
 void cli_ranks_begin(const char *what) {

@@ -10,7 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- cases ------------------------------------------------------------------------------------------------------ */
+/* ---- cases ------------------------------------------------------------------------------------------------------- */
 
 const char *const cli_table_names[CLI_TABLES + 1] = {"ctof",   "scaling",  "planes",   "statics", "moduli",
                                                      "probes", "spectrum", "ensemble", "signal",  NULL};
@@ -69,7 +69,6 @@ static const char *case_value(const char *table, const sp_scene *scene, int s, i
     return sp_sweep_text(sweep, k, buf, size);
 }
 
-/* Adds the values of case c as comments. */
 static sp_status add_case(sp_table *t, const char *table, const sp_scene *scene, int64_t c, sp_error *err) {
     char buf[200];
     sp_status status = SP_OK;
@@ -93,7 +92,7 @@ static void case_text(const char *table, const sp_scene *scene, int64_t c, char 
     }
 }
 
-/* ---- files ------------------------------------------------------------------------------------------------------ */
+/* ---- files ------------------------------------------------------------------------------------------------------- */
 
 /* The file of table k of case c. The very first table goes to the file of -o itself. */
 static sp_status path_of(const cli_tables *tables, int k, int64_t c, char path[SP_PATH_MAX], sp_error *err) {
@@ -123,31 +122,27 @@ sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err) {
             char path[SP_PATH_MAX];
             common.output = path;
             status = path_of(tables, k, c, path, err);
-            if (status == SP_OK)
-                status = cli_may_write_table(&common, err);
+            CLI_THEN(status, cli_may_write_table(&common, err));
         }
     return status;
 }
 
 /* Writes table k. c counts the cases that have been written, `of` is the text of this one. */
 static sp_status write_table(const cli_tables *tables, int k, int64_t c, const char *of, sp_table *t, sp_error *err) {
-    cli_common common = *tables->common;
     char path[SP_PATH_MAX];
-    if (!common.output) {
+    if (!tables->common->output) {
         if (k > 0 || c > 0)
             putchar('\n');
-        return cli_write_table(&common, t, err);
+        return cli_write_table(tables->common, t, err);
     }
     sp_status status = path_of(tables, k, c, path, err);
-    common.output = path;
-    if (status == SP_OK)
-        status = cli_write_table(&common, t, err);
+    CLI_THEN(status, cli_write_table_to(tables->common, path, t, err));
     if (status == SP_OK && (tables->count > 1 || *of))
-        cli_note(&common, "table %s%s: %s", tables->name[k], of, path);
+        cli_note(tables->common, "table %s%s: %s", tables->name[k], of, path);
     return status;
 }
 
-/* ---- samples ---------------------------------------------------------------------------------------------------- */
+/* ---- samples ----------------------------------------------------------------------------------------------------- */
 
 /* The samples of a table. */
 typedef struct choice {
@@ -175,63 +170,24 @@ static void compare_parts(const sp_scene *scene, sp_sample *s) {
         s->have &= parts | ~(unsigned)SP_WANT_SIGNAL;
 }
 
-/* The index of sample k of the scene in `all', which is sorted by name; -1 if it is not there. */
-static sp_status find_sample(const sp_scene *scene, int64_t k, const choice *all, sp_scene *one, int64_t *place,
-                             sp_error *err) {
-    char name[SP_NAME_MAX];
-    sp_status status = sp_study_sample(scene, k, one, name, err);
-    if (status != SP_OK)
-        return status;
-    const sp_sample *found = bsearch(name, all->sample, (size_t)all->n, sizeof *found, find_name);
-    *place = found ? found - all->sample : -1;
-    return SP_OK;
-}
-
-/* Keeps only the samples that the scene makes. */
-static sp_status keep(const sp_scene *scene, choice *all, sp_error *err) {
-    const int64_t count = sp_study_count(scene);
-    bool *chosen = sp_alloc((size_t)all->n, sizeof *chosen);
-    sp_status status = chosen ? SP_OK : sp_fail_memory(err, (size_t)all->n * sizeof *chosen);
-    for (int64_t k = 0; k < count && status == SP_OK; k++) {
-        sp_scene one;
-        int64_t place = -1;
-        status = find_sample(scene, k, all, &one, &place, err);
-        all->missing += status == SP_OK && place < 0;
-        if (place >= 0) {
-            chosen[place] = true;
-            compare_parts(&one, &all->sample[place]);
-        }
-    }
-    int64_t kept = 0;
-    for (int64_t k = 0; k < all->n && status == SP_OK; k++)
-        if (chosen[k])
-            all->sample[kept++] = all->sample[k];
-    if (status == SP_OK)
-        all->n = kept;
-    sp_free(chosen);
-    return status;
-}
-
-/* Copies the samples that the scene makes. */
+/* Copies the samples that the scene makes from `all', which is sorted by name. */
 static sp_status choose(const sp_scene *scene, const choice *all, choice *out, sp_error *err) {
     const int64_t count = sp_study_count(scene);
     choice c = {.sample = sp_alloc((size_t)(count < all->n ? count : all->n), sizeof *c.sample)};
     bool *taken = sp_alloc((size_t)all->n, sizeof *taken); /* two heights may make one number of grains */
-    sp_status status = SP_OK;
-    if (!c.sample || !taken)
-        status = sp_fail_memory(err, (size_t)all->n * (sizeof *c.sample + sizeof *taken));
+    sp_status status = c.sample && taken ? SP_OK : sp_fail_memory(err, (size_t)all->n * sizeof *c.sample);
     for (int64_t k = 0; k < count && status == SP_OK; k++) {
         sp_scene one;
-        int64_t place = -1;
-        status = find_sample(scene, k, all, &one, &place, err);
+        char name[SP_NAME_MAX];
+        status = sp_study_sample(scene, k, &one, name, err);
         if (status != SP_OK)
             break;
-        if (place < 0 || taken[place]) {
-            c.missing += place < 0;
+        const sp_sample *found = bsearch(name, all->sample, (size_t)all->n, sizeof *found, find_name);
+        c.missing += !found;
+        if (!found || taken[found - all->sample])
             continue;
-        }
-        taken[place] = true;
-        c.sample[c.n] = all->sample[place];
+        taken[found - all->sample] = true;
+        c.sample[c.n] = *found;
         compare_parts(&one, &c.sample[c.n++]);
     }
     sp_free(taken);
@@ -242,7 +198,7 @@ static sp_status choose(const sp_scene *scene, const choice *all, choice *out, s
     return status;
 }
 
-/* ---- the filter ------------------------------------------------------------------------------------------------- */
+/* ---- the filter -------------------------------------------------------------------------------------------------- */
 
 cli_filter cli_filter_none(void) { return (cli_filter){.width = NAN, .pressure = NAN, .friction = NAN}; }
 
@@ -271,7 +227,7 @@ static int64_t filter(const cli_filter *f, int64_t n, sp_sample *all) {
     return kept;
 }
 
-/* ---- writing ---------------------------------------------------------------------------------------------------- */
+/* ---- writing ----------------------------------------------------------------------------------------------------- */
 
 /* With a filter, samples that it leaves out would be counted as well. */
 static sp_status add_missing(const cli_tables *tables, int64_t missing, sp_table *t, sp_error *err) {
@@ -291,10 +247,10 @@ typedef struct stored {
 static sp_status make_table(const cli_tables *tables, const char *name, const stored *all, const choice *of,
                             sp_table *out, sp_error *err) {
     const sp_table_options options = {.level = tables->level};
-    if (strcmp(name, "signal") == 0)
-        return cli_table_signal(all->store, of->n, of->sample, &options, out, err);
-    if (strcmp(name, "spectrum") == 0)
-        return cli_table_spectrum(all->store, of->n, of->sample, &options, &tables->bins, out, err);
+    const cli_averaged averaged = {
+        strcmp(name, "spectrum") == 0, all->store, of->n, of->sample, tables->level, tables->bins};
+    if (averaged.spectrum || strcmp(name, "signal") == 0)
+        return cli_table_averaged(&averaged, out, err);
     return sp_study_table(name, of->n, of->sample, &options, out, err);
 }
 
@@ -309,23 +265,19 @@ static sp_status write_case(const cli_tables *tables, int k, int64_t c, const st
     const bool copied = tables->scene && all->cases > 1;
     if (copied) {
         status = case_scene(name, tables->scene, c, &one, err);
-        if (status == SP_OK)
-            status = choose(&one, &all->of, &chosen, err);
+        CLI_THEN(status, choose(&one, &all->of, &chosen, err));
     } else {
         chosen = all->of;
     }
     sp_table t = sp_table_none();
     if (status == SP_OK && chosen.n == 0 && tables->scene && is_filter(&tables->filter))
         goto out; /* the filter selects another case */
-    if (status == SP_OK)
-        status = make_table(tables, name, all, &chosen, &t, err);
+    CLI_THEN(status, make_table(tables, name, all, &chosen, &t, err));
     if (status == SP_OK && tables->scene)
         status = add_case(&t, name, tables->scene, c, err);
-    if (status == SP_OK)
-        status = add_missing(tables, chosen.missing, &t, err);
+    CLI_THEN(status, add_missing(tables, chosen.missing, &t, err));
     case_text(name, tables->scene, c, of, sizeof of);
-    if (status == SP_OK)
-        status = write_table(tables, k, (*written)++, of, &t, err);
+    CLI_THEN(status, write_table(tables, k, (*written)++, of, &t, err));
 out:
     sp_table_free(&t);
     if (copied)
@@ -368,7 +320,13 @@ static sp_status select_samples(const cli_tables *tables, choice *of, sp_error *
         return sp_fail(err, SP_EREFUSED, "no table: the store has no samples");
     if (found > 0)
         qsort(of->sample, (size_t)found, sizeof *of->sample, by_names);
-    sp_status status = tables->scene ? keep(tables->scene, of, err) : SP_OK;
+    choice chosen = *of;
+    sp_status status = tables->scene ? choose(tables->scene, of, &chosen, err) : SP_OK;
+    if (status == SP_OK && chosen.sample != of->sample) {
+        sp_free(of->sample);
+        *of = chosen;
+        qsort(of->sample, (size_t)of->n, sizeof *of->sample, by_names);
+    }
     if (status == SP_OK && of->n == 0 && tables->needs_samples)
         status =
             sp_fail(err, SP_EREFUSED,
@@ -392,8 +350,7 @@ sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *
     if (bad > 0)
         cli_note(tables->common, "%lld files of the store are not used: %s", (long long)bad, reason.text);
     status = select_samples(tables, &all.of, err);
-    if (status == SP_OK)
-        status = write_all(tables, &all, err);
+    CLI_THEN(status, write_all(tables, &all, err));
     sp_free(all.of.sample);
     return status;
 }

@@ -2,11 +2,31 @@
 #define SP_CLI_TABLES_H
 /* Writes tables of the samples in a store, for `study' and `table'. */
 
-#include "cli/averaged.h"
 #include "cli/cli.h"
+#include "numeric/interval.h"
+#include <sonopack/study/store.h>
 
-enum { CLI_TABLES = 9 };
+enum { CLI_TABLES = 9, CLI_BINS_MAX = 10000 };
 extern const char *const cli_table_names[CLI_TABLES + 1]; /* ended by NULL */
+
+typedef struct cli_bins {
+    int32_t bins;     /* of equal width; 0: one for each 20 modes of all samples, 20 to 100 */
+    double omega_max; /* last frequency; 0: the largest of all samples, rounded up to two digits */
+} cli_bins;
+
+/* The tables signal and spectrum: means over samples of one pressure, size, width, friction, kind and dimension. */
+typedef struct cli_averaged {
+    bool spectrum;
+    sp_store *store;
+    int64_t n;
+    const sp_sample *sample; /* [n] */
+    double level;            /* confidence level of the intervals */
+    cli_bins bins;           /* of spectrum */
+} cli_averaged;
+/* signal: a row for each time with mean, rms, mean_err, and the interval of the mean. spectrum: a row for each bin low
+ * < omega <= high: modes per grain (without rattlers) and unit of omega, their interval, and the integral from 0; zero
+ * modes are left out. Comments count the samples without the array. SP_EREFUSED for samples that differ. */
+sp_status cli_table_averaged(const cli_averaged *want, sp_table *out, sp_error *err);
 
 /* Selects samples by their properties, to a relative precision of 1e-3. NAN and 0 select all. */
 typedef struct cli_filter {
@@ -37,5 +57,10 @@ cli_filter cli_filter_none(void); /* selects all samples */
 /* Checks that all files of -o may be written. Call before the computation. */
 sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err);
 sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *err);
+
+/* study --verify: prints a table of the files of a scene's samples, or of all files of the store if scene is NULL.
+ * jobs: how many samples are computed again at a time. *good: all pass. */
+sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *scene, double tolerance, int jobs,
+                     bool *good, sp_error *err);
 
 #endif

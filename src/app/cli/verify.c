@@ -1,7 +1,7 @@
 /* Checks the files of a store and prints a table of them. */
-#include "cli/verify.h"
 
 #include "base/base.h"
+#include "cli/tables.h"
 #include "ensemble/sample.h"
 
 #include <math.h>
@@ -46,7 +46,6 @@ static bool found(const sp_store_finding *f, void *user) {
     return v->status == SP_OK && !cli_stopped();
 }
 
-/* Lists the names of all samples of a scene. */
 static sp_status scene_names(const sp_scene *scene, sp_store_check *check, char (**out)[SP_NAME_MAX], sp_error *err) {
     const int64_t count = sp_study_count(scene);
     if (count < 1)
@@ -77,8 +76,7 @@ static sp_status verify(verification *v, sp_store *store, const sp_scene *scene,
         status = scene_names(scene, &check, &name, err);
     if (status == SP_OK && scene)
         v->expected = check.names;
-    if (status == SP_OK)
-        status = sp_store_verify(store, &check, err);
+    CLI_THEN(status, sp_store_verify(store, &check, err));
     if (v->status != SP_OK) {
         status = v->status;
         *err = v->error;
@@ -92,15 +90,13 @@ sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *
     verification v = {.common = common, .table = sp_table_none(), .begun = sp_clock_wall()};
     sp_store *store = NULL;
     sp_status status = cli_may_write_table(common, err);
-    if (status == SP_OK)
-        status = sp_store_open(dir, false, &store, err);
+    CLI_THEN(status, sp_store_open(dir, false, &store, err));
     if (status == SP_OK) {
         cli_catch_signals(common);
         status = verify(&v, store, scene, tolerance, jobs, err);
         cli_progress_end();
     }
-    if (status == SP_OK)
-        status = cli_write_table(common, &v.table, err);
+    CLI_THEN(status, cli_write_table(common, &v.table, err));
     if (status == SP_OK)
         cli_note(common, "%lld samples are sound, %lld are recorded as failed, %lld files are not ok",
                  (long long)v.samples, (long long)v.failed, (long long)v.bad);

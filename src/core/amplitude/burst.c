@@ -2,7 +2,7 @@
  * sp_signal_pulse does. */
 #include "amplitude/motion.h"
 #include "base/base.h"
-#include "numeric/fit.h"
+#include "numeric/statistics.h"
 
 #include <complex.h>
 #include <math.h>

@@ -1,10 +1,8 @@
 /* Status and error text, allocation, memory limit, number text and clocks. */
 #include "base/base.h"
-#include "base/text.h"
-
-#include <sonopack/version.h>
 
 #include <math.h>
+#include <sonopack/version.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -200,6 +198,20 @@ char *sp_number_plain(double value, char text[SP_NUMBER_TEXT]) {
     return text;
 }
 
+sp_locale sp_locale_enter(void) {
+    sp_locale l = {.plain = newlocale(LC_ALL_MASK, "C", (locale_t)0)};
+    if (l.plain != (locale_t)0)
+        l.before = uselocale(l.plain);
+    return l;
+}
+
+void sp_locale_leave(sp_locale *l) {
+    if (l->plain != (locale_t)0) {
+        uselocale(l->before);
+        freelocale(l->plain);
+    }
+}
+
 static double seconds(clockid_t clock) {
     struct timespec now;
     clock_gettime(clock, &now);
@@ -208,3 +220,28 @@ static double seconds(clockid_t clock) {
 
 double sp_clock_cpu(void) { return seconds(CLOCK_THREAD_CPUTIME_ID); }
 double sp_clock_wall(void) { return seconds(CLOCK_MONOTONIC); }
+
+/* ---- hashes ------------------------------------------------------------------------------------------------------ */
+
+#define FNV_PRIME 0x100000001b3u
+
+uint64_t sp_hash64(uint64_t hash, const void *data, size_t size) {
+    const unsigned char *byte = data;
+    for (size_t k = 0; k < size; k++)
+        hash = (hash ^ byte[k]) * FNV_PRIME;
+    return hash;
+}
+
+uint64_t sp_hash64_words(uint64_t hash, const void *data, size_t size) {
+    const unsigned char *byte = data;
+    while (size > 0) {
+        const size_t part = size < 8 ? size : 8;
+        uint64_t word = 0;
+        memcpy(&word, byte, part);
+        hash = (hash ^ word) * FNV_PRIME;
+        hash ^= hash >> 29; /* multiplication carries upwards only, so fold the high bits down */
+        byte += part;
+        size -= part;
+    }
+    return hash;
+}

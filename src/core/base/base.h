@@ -1,8 +1,11 @@
 #ifndef SP_BASE_H
 #define SP_BASE_H
-/* Error reports, checked allocation, number text and clocks. Every other part of the library uses this header. */
+/* Error reports, checked allocation, number text, hashes and clocks. Every other part of the library uses this header.
+ */
 
+#include <locale.h>
 #include <sonopack/status.h>
+#include <sonopack/visibility.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -27,6 +30,13 @@ SP_SHARED void *sp_alloc(size_t count, size_t size);
  * and updates *capacity. `array` may be NULL with *capacity = 0. Returns NULL if memory is short; `array` and *capacity
  * are then unchanged. */
 SP_SHARED void *sp_grow(void *array, size_t need, size_t *capacity, size_t size);
+/* The same for an array that grows by one element at a time and does not store its capacity: makes sure that there is
+ * room for one more than `count`, by doubling at 0 and at powers of two. The array must have grown by this function
+ * only. */
+static inline void *sp_array_reserve(void *array, size_t count, size_t size) {
+    size_t capacity = count;
+    return (count & (count - 1)) != 0 ? array : sp_grow(array, count + 1, &capacity, size);
+}
 SP_SHARED char *sp_strdup(const char *text); /* free with sp_free */
 /* For tests: lets `count` more allocations succeed and then fails one. A negative count disables this. */
 void sp_alloc_fail_after(int64_t count);
@@ -43,7 +53,27 @@ SP_SHARED char *sp_number_text(double value, char text[SP_NUMBER_TEXT]);
 /* The same as people write it: 1e-6 where printf writes 1e-06. For messages and help. */
 SP_SHARED char *sp_number_plain(double value, char text[SP_NUMBER_TEXT]);
 
+/* Numbers always have a decimal point, whatever locale the program has set: between enter and leave this thread uses
+ * the "C" locale. */
+typedef struct sp_locale {
+    locale_t plain, before;
+} sp_locale;
+SP_SHARED sp_locale sp_locale_enter(void);
+SP_SHARED void sp_locale_leave(sp_locale *l);
+
 SP_SHARED double sp_clock_cpu(void);  /* CPU time of this thread [s] */
 SP_SHARED double sp_clock_wall(void); /* monotonic clock [s] */
+
+/* Hashes that detect accidental changes of data (64-bit FNV-1a; Fowler, Noll, Vo, Eastlake). */
+
+/* initial value of a hash */
+#define SP_HASH64_BEGIN 0xcbf29ce484222325u
+
+/* Continues `hash` over `size` bytes. */
+SP_SHARED uint64_t sp_hash64(uint64_t hash, const void *data, size_t size);
+
+/* Continues `hash` eight bytes at a time. This is faster than sp_hash64 and gives another value. The last word is
+ * padded with zeros, so the result depends on how the data are split over calls. */
+uint64_t sp_hash64_words(uint64_t hash, const void *data, size_t size);
 
 #endif

@@ -2,7 +2,6 @@
 #include "base/file.h"
 
 #include "base/base.h"
-#include "base/hash.h"
 
 #include <dirent.h>
 #include <errno.h>
@@ -101,25 +100,6 @@ int64_t sp_file_read_at(int fd, void *data, size_t size, int64_t at) {
         used += (size_t)got;
     }
     return (int64_t)used;
-}
-
-sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err) {
-    enum { CHUNK = 1 << 16 };
-    unsigned char buffer[CHUNK];
-    const int fd = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (fd < 0)
-        return fail_errno(err, "open", path, errno);
-    uint64_t sum = SP_HASH64_BEGIN;
-    ssize_t got;
-    while ((got = read(fd, buffer, CHUNK)) > 0 || (got < 0 && errno == EINTR))
-        if (got > 0)
-            sum = sp_hash64(sum, buffer, (size_t)got);
-    const int code = got < 0 ? errno : 0;
-    close(fd);
-    if (code)
-        return fail_errno(err, "read", path, code);
-    *hash = sum;
-    return SP_OK;
 }
 
 /* ---- writing --------------------------------------------------------------------------------------------------- */
@@ -367,9 +347,6 @@ sp_status sp_draft_begin(const char *path, sp_draft *d, sp_error *err) {
         return status;
     if (kind != 0 && kind != S_IFREG)
         return sp_fail(err, SP_EIO, "cannot write %s: a device or a pipe, must be a regular file", path);
-    char folder[SP_PATH_MAX];
-    folder_of(kind ? target : path, folder);
-    sp_folder_clean(folder); /* drafts are large, and so is what a killed process leaves */
     return begin_draft(kind ? target : path, kind ? &info : NULL, d, err);
 }
 
@@ -415,6 +392,12 @@ void sp_folder_clean(const char *folder) {
     }
     if (all)
         closedir(all);
+}
+
+void sp_folder_clean_beside(const char *path) {
+    char folder[SP_PATH_MAX];
+    folder_of(path, folder);
+    sp_folder_clean(folder);
 }
 
 sp_status sp_folder_probe(const char *folder, sp_error *err) {

@@ -21,9 +21,6 @@ SP_SHARED sp_status sp_file_read(const char *path, char **data, size_t *size, sp
  * errno. */
 SP_SHARED int64_t sp_file_read_at(int fd, void *data, size_t size, int64_t at);
 
-/* sp_hash64 of a file's bytes. SP_EIO if it cannot be read. */
-SP_SHARED sp_status sp_file_hash(const char *path, uint64_t *hash, sp_error *err);
-
 /* Writes data to a temporary file in the same folder, syncs it, and renames it to path. Devices and pipes are written
  * directly, and a symbolic link keeps pointing to its target. On failure (SP_EIO) the old file is unchanged. */
 SP_SHARED sp_status sp_file_write(const char *path, const void *data, size_t size, sp_error *err);
@@ -53,5 +50,6 @@ SP_SHARED sp_status sp_file_probe(const char *path, sp_error *err);
 
 /* Removes temporary files of processes that were killed while writing. */
 SP_SHARED void sp_folder_clean(const char *folder);
+SP_SHARED void sp_folder_clean_beside(const char *path); /* in the folder of a file */
 
 #endif

@@ -2,21 +2,12 @@
 #define SP_TEXT_H
 /* Writing and reading text: a growing buffer, numbers without loss of bits, and numbered lines. */
 
-#include <locale.h>
+#include "base/base.h"
+
 #include <sonopack/status.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
-
-/* ---- locale ---------------------------------------------------------------------------------------------------- */
-
-/* Numbers always have a decimal point, whatever locale the program has set: between enter and leave this thread uses
- * the "C" locale. */
-typedef struct sp_locale {
-    locale_t plain, before;
-} sp_locale;
-SP_SHARED sp_locale sp_locale_enter(void);
-SP_SHARED void sp_locale_leave(sp_locale *l);
 
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 

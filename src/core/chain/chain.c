@@ -2,7 +2,6 @@
 #include <sonopack/chain.h>
 
 #include "base/base.h"
-#include "numeric/airy.h"
 #include "numeric/bessel.h"
 
 #include <math.h>

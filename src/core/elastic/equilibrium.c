@@ -2,7 +2,7 @@
 #include "elastic/equilibrium.h"
 
 #include "base/base.h"
-#include "linalg/vector.h"
+#include "base/vector.h"
 #include "network/spins.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@
 sp_equilibrium sp_equilibrium_none(void) { return (sp_equilibrium){0}; }
 
 void sp_equilibrium_free(sp_equilibrium *e) {
-    sp_cholesky_free(e->factor);
+    sp_ldl_free(e->factor);
     sp_sparse_free(&e->k);
     sp_free(e->free_dofs);
     sp_free(e->spin);
@@ -123,6 +123,24 @@ static void hold_spins(const sp_equilibrium *e, sp_sparse *k) {
     }
 }
 
+/* SP_EREFUSED if a matrix is singular or indefinite in double precision. Scaling rows and columns does not change what
+ * is refused. The factor must not be used then. */
+static sp_status factor_positive(sp_ldl *f, const sp_sparse *a, sp_error *err) {
+    sp_status status = sp_ldl_set(f, a, err);
+    if (status == SP_OK)
+        status = sp_ldl_factor(f, 0, err);
+    if (status != SP_OK)
+        return status;
+    if (sp_ldl_negative(f) > 0)
+        return sp_fail(err, SP_EREFUSED, "the matrix is not positive definite (%lld of %lld pivots are negative)",
+                       (long long)sp_ldl_negative(f), (long long)a->n);
+    const double ratio = sp_ldl_least_ratio(f, a);
+    if (!(ratio > 1e-13))
+        return sp_fail(err, SP_EREFUSED,
+                       "the matrix is singular (a pivot is %.2g of its diagonal entry, must be above 1e-13)", ratio);
+    return SP_OK;
+}
+
 /* Factors the symmetric part of K with fixed motions, held spins and shift. */
 static sp_status factorize(sp_equilibrium *e, sp_error *err) {
     const size_t entries = (size_t)e->k.p[e->k.n];
@@ -136,9 +154,9 @@ static sp_status factorize(sp_equilibrium *e, sp_error *err) {
     shift_diagonal(e, &k);
     hold_spins(e, &k);
     if (!e->factor)
-        status = sp_cholesky_analyze(&k, &e->factor, err);
+        status = sp_ldl_make(&k, &e->factor, err);
     if (status == SP_OK)
-        status = sp_cholesky_factorize(e->factor, &k, err);
+        status = factor_positive(e->factor, &k, err);
     sp_free(k.x);
     return status;
 }
@@ -157,11 +175,7 @@ static sp_status factorize_shifted(sp_equilibrium *e, sp_error *err) {
     return status;
 }
 
-sp_status sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x, sp_error *err) {
-    (void)err;
-    sp_cholesky_solve(e->factor, 1, b, x);
-    return SP_OK;
-}
+void sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x) { sp_ldl_solve_one(e->factor, b, x); }
 
 /* The spring that holds a spin is about as stiff as the others of the sphere, whose diagonal entries weigh the
  * components of the motion: push = D motion/sqrt(motion . D motion). weight: [width], D. Where prestress makes that

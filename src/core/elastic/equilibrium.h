@@ -4,8 +4,7 @@
  * freedom free. The symmetric part of K is factored by Cholesky, with a shift where parts of the network are floppy. If
  * that is not K itself, it preconditions GMRES, which also solves with K^T. */
 
-#include "elastic/stiffness.h"
-#include "linalg/cholesky.h"
+#include "linalg/ldl.h"
 
 /* What is added to a singular K before it is factored. It changes the way to the solution, not the solution. */
 typedef enum equilibrium_shift {
@@ -27,7 +26,7 @@ typedef struct equilibrium_spin {
 typedef struct sp_equilibrium {
     const sp_network *net;
     sp_sparse k; /* symmetric part of K: the lower triangle, the diagonal entry of each column first */
-    sp_cholesky *factor;
+    sp_ldl *factor;
     bool transposed; /* whether K^T replaces K in a solve */
     equilibrium_shift shift_kind;
     double shift;       /* the fraction of the diagonal, or multiple of M, that was added */
@@ -64,7 +63,7 @@ static inline int64_t sp_equilibrium_dof(const sp_equilibrium *e, int64_t c) {
 /* out += factor times the springs that hold spins, applied to `in`; [count] each. */
 void sp_equilibrium_add_spins(const sp_equilibrium *e, double factor, const double *in, double *out);
 /* x = F^-1 b, where F is the factored matrix; [count] each. */
-sp_status sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x, sp_error *err);
+void sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x);
 
 /* Changes u so that K u = f. On entry u may be anything; fixed degrees of freedom keep their values. Ends where the
  * residual is of the size of the rounding errors of K u and f, or no longer falls. Where K is singular this u is one of

@@ -1,10 +1,9 @@
 /* Solves for the static equilibrium of a network between fixed walls, or in a periodic cell. */
 #include "base/base.h"
+#include "base/vector.h"
 #include "elastic/equilibrium.h"
 #include "elastic/strain.h"
-#include "linalg/cg.h"
-#include "linalg/gmres.h"
-#include "linalg/vector.h"
+#include "linalg/krylov.h"
 
 #include <float.h>
 #include <math.h>
@@ -42,11 +41,10 @@ void sp_equilibrium_add_spins(const sp_equilibrium *e, double factor, const doub
 }
 
 /* K over the free degrees of freedom, with the springs that hold spins. */
-static sp_status apply_free(void *with, const double *in, double *out, sp_error *err) {
+static void apply_free(void *with, const double *in, double *out) {
     sp_equilibrium *e = with;
     const int64_t n = sp_network_dofs(e->net);
     double *u = e->work, *ku = u + n;
-    (void)err;
     if (!e->free_dofs) {
         apply_stiffness(e, in, out);
     } else {
@@ -58,12 +56,9 @@ static sp_status apply_free(void *with, const double *in, double *out, sp_error 
             out[c] = ku[e->free_dofs[c]];
     }
     sp_equilibrium_add_spins(e, 1, in, out);
-    return SP_OK;
 }
 
-static sp_status precondition(void *with, const double *in, double *out, sp_error *err) {
-    return sp_equilibrium_apply(with, in, out, err);
-}
+static void precondition(void *with, const double *in, double *out) { sp_equilibrium_apply(with, in, out); }
 
 /* The residual over the free degrees of freedom, with the springs that hold spins, and its norm. work: [count]. */
 static double residual_of(sp_equilibrium *e, const double *f, const double *u, double *work, double *out) {
@@ -106,20 +101,17 @@ static void add(const sp_equilibrium *e, double factor, const double *more, doub
 }
 
 /* K itself was factored: iterative refinement, at least two steps. */
-static sp_status refine(sp_equilibrium *e, const double *f, double *u, sp_error *err) {
+static void refine(sp_equilibrium *e, const double *f, double *u) {
     enum { PASSES_MAX = 60 };
     double *right = e->work + 2 * sp_network_dofs(e->net), *more = right + e->count;
     double now = residual_of(e, f, u, more, right), before;
     int pass = 0;
     do {
         before = now;
-        const sp_status status = sp_equilibrium_apply(e, right, more, err);
-        if (status != SP_OK)
-            return status;
+        sp_equilibrium_apply(e, right, more);
         add(e, 1, more, u);
         now = residual_of(e, f, u, more, right);
     } while (++pass < 2 || (now < 0.5 * before && pass < PASSES_MAX));
-    return SP_OK;
 }
 
 /* Motions with less stiffness than this fraction of the diagonal are not resisted. In rounding errors they have 1e-16.
@@ -133,56 +125,49 @@ static double shift_of(const sp_equilibrium *e, int64_t c) {
 
 /* load = S F^-1 load, where S is the shift and F = K + S: keeps what acts on floppy motions, and little else. motion =
  * F^-1 load, [count]. */
-static sp_status keep_floppy(const sp_equilibrium *e, double *load, double *motion, sp_error *err) {
-    const sp_status status = sp_equilibrium_apply(e, load, motion, err);
-    for (int64_t c = 0; c < e->count && status == SP_OK; c++)
+static void keep_floppy(const sp_equilibrium *e, double *load, double *motion) {
+    sp_equilibrium_apply(e, load, motion);
+    for (int64_t c = 0; c < e->count; c++)
         load[c] = shift_of(e, c) * motion[c];
-    return status;
 }
 
 /* Whether K does not resist the motion. image: [count] scratch. */
 static bool is_floppy(sp_equilibrium *e, const double *motion, double *image) {
     double threshold = 0;
-    apply_free(e, motion, image, NULL);
+    apply_free(e, motion, image);
     for (int64_t c = 0; c < e->count; c++)
         threshold += NOTHING * e->k.x[e->k.p[c]] * motion[c] * motion[c];
     return fabs(sp_dot(e->count, motion, image)) <= threshold;
 }
 
 /* Removes from a load what acts on motions that K does not resist, if this is so much that it would hide the rest.
- * Changes *norm to the norm of what remains. load, motion: [count] scratch. */
-static sp_status drop_floppy(sp_equilibrium *e, double *right, double *norm, double *load, double *motion,
-                             sp_error *err) {
+ * Returns the norm of what remains, which was `norm`. load, motion: [count] scratch. */
+static double drop_floppy(sp_equilibrium *e, double *right, double norm, double *load, double *motion) {
     enum { PASSES = 3 };
     memcpy(load, right, (size_t)e->count * sizeof *load);
-    sp_status status = keep_floppy(e, load, motion, err);
-    if (status != SP_OK || sp_dot(e->count, load, motion) < 1e-3 * sp_dot(e->count, right, motion))
-        return status;
-    for (int pass = 1; pass < PASSES && status == SP_OK; pass++)
-        status = keep_floppy(e, load, motion, err);
-    double *image = motion + e->count;
-    if (status != SP_OK || !is_floppy(e, motion, image))
-        return status;
+    keep_floppy(e, load, motion);
+    if (sp_dot(e->count, load, motion) < 1e-3 * sp_dot(e->count, right, motion))
+        return norm;
+    for (int pass = 1; pass < PASSES; pass++)
+        keep_floppy(e, load, motion);
+    if (!is_floppy(e, motion, motion + e->count))
+        return norm;
     for (int64_t c = 0; c < e->count; c++)
         right[c] -= load[c];
-    *norm = sp_norm(e->count, right);
-    return SP_OK;
+    return sp_norm(e->count, right);
 }
 
 /* more = K^-1 right, nearly: up to a residual `goal`. */
 static sp_status correct(sp_equilibrium *e, double goal, const double *right, double *more, double *zero,
                          sp_error *err) {
     enum { STEPS_MAX = 60 };
+    const krylov_problem p = {e->count, apply_free, precondition, e, goal, STEPS_MAX};
     double left;
-    if (e->net->carried) {
-        const double norm = sp_norm(e->count, right);
-        const gmres_problem g = {e->count, apply_free, precondition, e, goal / norm, STEPS_MAX};
-        return sp_gmres(&g, right, more, &left, err);
-    }
+    if (e->net->carried)
+        return sp_gmres(&p, right, more, &left, err);
     for (int64_t c = 0; c < e->count; c++)
         zero[c] = NOTHING * e->k.x[e->k.p[c]];
-    const cg_problem g = {e->count, apply_free, precondition, e, zero, goal, STEPS_MAX};
-    return sp_cg(&g, right, more, err);
+    return sp_cg(&p, zero, right, more, err);
 }
 
 /* A neighbour of K was factored. Rounding errors act on floppy motions, too, which would move far if only rounding
@@ -195,16 +180,14 @@ static sp_status iterate(sp_equilibrium *e, const double *f, double scale, doubl
         double now = residual_of(e, f, u, spare, right);
         const double floor = rounding_of(e, scale, u);
         const bool drop = !e->net->carried && (pass > 0 || e->net->prestress || e->shift_kind == SHIFT_MASS);
-        sp_status status =
-            now > ENOUGH * floor && drop ? drop_floppy(e, right, &now, spare, spare + e->count, err) : SP_OK;
-        if (status != SP_OK)
-            return status;
+        if (now > ENOUGH * floor && drop)
+            now = drop_floppy(e, right, now, spare, spare + e->count);
         if (pass > 0 && !(now <= before)) /* rounding errors only */
             add(e, -1, more, u);
         if (!(now > ENOUGH * floor) || now > 0.5 * before)
             break;
         before = now;
-        status = correct(e, fmax(1e-14 * now, floor), right, more, spare, err);
+        const sp_status status = correct(e, fmax(1e-14 * now, floor), right, more, spare, err);
         if (status != SP_OK)
             return status;
         add(e, 1, more, u);
@@ -219,8 +202,10 @@ static const double SPINNING = 1e-3;
 static sp_status solve(sp_equilibrium *e, const double *f, double scale, double *u, double *residual, sp_error *err) {
     double *right = e->work + 2 * sp_network_dofs(e->net);
     sp_status status = SP_OK;
-    if (e->count > 0)
-        status = e->shift_kind || e->net->carried ? iterate(e, f, scale, u, err) : refine(e, f, u, err);
+    if (e->count > 0 && (e->shift_kind || e->net->carried))
+        status = iterate(e, f, scale, u, err);
+    else if (e->count > 0)
+        refine(e, f, u);
     *residual = residual_of(e, f, u, right + e->count, right);
     return status;
 }

@@ -1,15 +1,87 @@
 /* Moduli at finite strain: brings a strained packing to equilibrium with its full contact law. */
 #include "base/base.h"
+#include "base/vector.h"
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
-#include "elastic/tangent.h"
-#include "linalg/gmres.h"
-#include "linalg/vector.h"
+#include "linalg/krylov.h"
 #include "packing/contact.h"
 #include "packing/vibrate.h"
 
 #include <math.h>
 #include <string.h>
+
+/* Whether the contact is closed and at Coulomb's limit. */
+static bool slides(const vibration *m, const touching *t) { return m->turns && t->kn > 0 && t->held < 1; }
+
+/* Component of a vibration's vectors (0 .. 5: translation, rotation) for degree of freedom d of a grain of the network.
+ */
+static int component(const sp_network *net, int d) { return d < net->dim || net->dim == 3 ? d : 5; }
+
+/* Change of the tangential force of a contact at Coulomb's limit. Along the force it is the change of the normal force
+ * times the friction coefficient, whatever the slip; across it the spring still acts. The first part makes the
+ * stiffness nonsymmetric. */
+static void limit_friction(const vibration *m, const touching *t, double along, double push[3]) {
+    double force[3];
+    for (int a = 0; a < 3; a++)
+        force[a] = t->ft0[a] + t->ft[a];
+    const double size = sp_norm(3, force);
+    if (!(size > 0))
+        return;
+    const double part = sp_dot(3, force, push) / size;
+    for (int a = 0; a < 3; a++)
+        push[a] = t->held * (push[a] - part * force[a] / size) - m->friction * t->kn * along * force[a] / size;
+}
+
+/* Change of the force on i due to the relative displacement and to the rotations times lever arms. */
+static void force_change(const vibration *m, const touching *t, const double moved[3], const double turn[3],
+                         double push[3]) {
+    const double *n = m->straight ? t->n0 : t->n, along = sp_dot(3, moved, n);
+    memset(push, 0, 3 * sizeof *push);
+    if (m->turns) {
+        const double rest = t->overlap > 0 ? contact_normal_stiffness(t->e, t->overlap) : 0;
+        const double kt = 0.5 * m->eta * (rest + t->kn);
+        double arm[3];
+        cross3(turn, n, arm);
+        for (int a = 0; a < 3; a++)
+            push[a] = kt * (moved[a] - along * n[a] - arm[a]);
+    }
+    if (slides(m, t))
+        limit_friction(m, t, along, push);
+    for (int a = 0; a < 3; a++)
+        push[a] += t->kn * along * n[a];
+}
+
+/* Adds the forces of a contact due to the displacements `in`. */
+static void add_contact(const vibration *m, const sp_network *net, const int32_t *row, const touching *t,
+                        const double *in, double *out) {
+    const int64_t i = (int64_t)(row[t->i] - 1) * net->dof;
+    const int64_t j = t->j < 0 ? -1 : (int64_t)(row[t->j] - 1) * net->dof;
+    double moved[3] = {0}, turn[3] = {0}, push[3], twist[3];
+    for (int d = 0; d < net->dof; d++) {
+        const int c = component(net, d);
+        const double one = in[i + d], other = j < 0 ? 0 : in[j + d];
+        if (c < 3)
+            moved[c] = other - one;
+        else
+            turn[c - 3] = t->arm_i * one + t->arm_j * other;
+    }
+    force_change(m, t, moved, turn, push);
+    cross3(m->straight ? t->n0 : t->n, push, twist);
+    for (int d = 0; d < net->dof; d++) {
+        const int c = component(net, d);
+        out[i + d] -= c < 3 ? push[c] : t->arm_i * twist[c - 3];
+        if (j >= 0)
+            out[j + d] -= c < 3 ? -push[c] : t->arm_j * twist[c - 3];
+    }
+}
+
+/* Adds to out the forces of closed contacts due to the displacements `in`; both [dofs]. row: for each grain of the
+ * packing its row in the network, from 1. */
+static void add_tangent(const vibration *m, const sp_network *net, const int32_t *row, const double *in, double *out) {
+    for (int32_t k = 0; k < m->count; k++)
+        if (m->touch[k].kn > 0)
+            add_contact(m, net, row, &m->touch[k], in, out);
+}
 
 /* Residual over the load: goal of Newton's method; goal if it converges slowly; largest value accepted. A single loose
  * grain that is still moving does not affect the stress. */
@@ -77,12 +149,12 @@ static double forces(strain_run *r, const double *u, double *force) {
     sp_vibration_rest(&r->m);
     for (int32_t i = 0; i < net->n; i++)
         for (int d = 0; d < net->dof; d++)
-            r->m.u[6 * (int64_t)net->grain[i] + sp_tangent_component(net, d)] = u[(int64_t)i * net->dof + d];
+            r->m.u[6 * (int64_t)net->grain[i] + component(net, d)] = u[(int64_t)i * net->dof + d];
     sp_vibration_begin(&r->m);
     for (int32_t i = 0; i < net->n; i++)
         for (int d = 0; d < net->dof; d++) {
             const int64_t k = (int64_t)i * net->dof + d;
-            force[k] = r->m.a[6 * (int64_t)net->grain[i] + sp_tangent_component(net, d)] * net->mass[k];
+            force[k] = r->m.a[6 * (int64_t)net->grain[i] + component(net, d)] * net->mass[k];
         }
     return sp_norm(sp_network_dofs(net), force);
 }
@@ -97,7 +169,7 @@ static void add_spring(strain_run *r, int32_t k) {
     const double tangential = r->m.turns ? 0.5 * r->m.eta * (rest + t->kn) : 0;
     sp_spring s = {.i = r->row[t->i] - 1, .j = t->j < 0 ? t->j : r->row[t->j] - 1, .ri = t->arm_i, .rj = t->arm_j};
     s.kn = fmax(t->kn, kept * rest); /* a contact that barely touches will be stiffer soon */
-    s.kt = t->kn > 0 && !sp_contact_slides(&r->m, t) ? tangential : kept * tangential;
+    s.kt = t->kn > 0 && !slides(&r->m, t) ? tangential : kept * tangential;
     for (int a = 0; a < 3; a++)
         s.n[a] = r->m.straight ? t->n0[a] : t->n[a];
     net->length[net->n_springs] = t->length;
@@ -143,23 +215,21 @@ static double take_step(strain_run *r, double fraction, double before) {
 
 static sp_equilibrium *initial_factor(strain_run *r) { return r->stiffened.factor ? &r->stiffened : &r->initial; }
 
-static sp_status apply_tangent(void *with, const double *in, double *out, sp_error *err) {
+static void apply_tangent(void *with, const double *in, double *out) {
     strain_run *r = with;
     const int64_t n = sp_network_dofs(r->net);
     const sp_equilibrium *e = initial_factor(r);
-    (void)err;
     memset(out, 0, (size_t)n * sizeof *out);
-    sp_tangent_apply(&r->m, r->net, r->row, in, out);
+    add_tangent(&r->m, r->net, r->row, in, out);
     for (int64_t k = 0; k < n && e->shift_kind; k++) /* as in the factor */
         out[k] += e->shift * e->k.x[e->k.p[k]] * in[k];
     sp_equilibrium_add_spins(e, 1, in, out);
-    return SP_OK;
 }
 
-static sp_status precondition(void *with, const double *in, double *out, sp_error *err) {
+static void precondition(void *with, const double *in, double *out) {
     strain_run *r = with;
     r->out.solves++;
-    return sp_equilibrium_apply(initial_factor(r), in, out, err);
+    sp_equilibrium_apply(initial_factor(r), in, out);
 }
 
 /* Newton's method with the exact tangent stiffness; keeps the best u in `best`. The tangent differs from the stiffness
@@ -167,15 +237,16 @@ static sp_status precondition(void *with, const double *in, double *out, sp_erro
  * preconditioner. */
 static sp_status newton_exact(strain_run *r, double *least, sp_error *err) {
     enum { STEPS_MAX = 40, PATIENCE = 4, SEARCH_MAX = 120 };
-    const gmres_problem g = {sp_network_dofs(r->net), apply_tangent, precondition, r, 1e-4, SEARCH_MAX};
-    const size_t bytes = (size_t)g.n * sizeof *r->u;
+    krylov_problem p = {sp_network_dofs(r->net), apply_tangent, precondition, r, 0, SEARCH_MAX};
+    const size_t bytes = (size_t)p.n * sizeof *r->u;
     double size = forces(r, r->u, r->force), left;
     int stalled = 0;
     *least = size;
     memcpy(r->best, r->u, bytes);
     for (int step = 0; step < STEPS_MAX && stalled < PATIENCE && size > GOAL * r->load; step++) {
         const double before = size;
-        sp_status status = sp_gmres(&g, r->force, r->step, &left, err);
+        p.goal = 1e-4 * size;
+        sp_status status = sp_gmres(&p, r->force, r->step, &left, err);
         if (status != SP_OK)
             return status;
         size = take_step(r, 1, before);
@@ -215,9 +286,7 @@ static sp_status newton_symmetric(strain_run *r, double least, sp_error *err) {
     }
     for (int step = 0; step < STEPS_MAX && size > GOAL * r->load; step++) {
         const double before = size, fraction = vary_step(r, stalled);
-        sp_status status = sp_equilibrium_apply(factor, r->force, r->step, err);
-        if (status != SP_OK)
-            return status;
+        sp_equilibrium_apply(factor, r->force, r->step);
         r->out.solves++;
         size = take_step(r, fraction, before);
         stalled = size < 0.9 * least ? 0 : stalled + 1;
@@ -229,7 +298,7 @@ static sp_status newton_symmetric(strain_run *r, double least, sp_error *err) {
             (stalled > PATIENCE && least < ACCEPTED * r->load))
             break;
         if (size > 0.3 * before) {
-            status = factor_now(r, err);
+            const sp_status status = factor_now(r, err);
             if (status == SP_EREFUSED) /* no chain of springs connects the walls any more */
                 break;
             if (status != SP_OK)
@@ -262,7 +331,7 @@ static void count_contacts(strain_run *r) {
     int32_t sliding = 0, lost = 0, made = 0;
     for (int32_t k = 0; k < r->m.count; k++) {
         const touching *t = &r->m.touch[k];
-        sliding += sp_contact_slides(&r->m, t);
+        sliding += slides(&r->m, t);
         lost += t->overlap > 0 && t->kn == 0;
         made += t->overlap <= 0 && t->kn > 0;
     }
@@ -303,7 +372,7 @@ static bool within_reach(const strain_run *r) {
  * one sign. */
 static bool begins_to_slide(const vibration *m, const touching *t) {
     const double *f = t->ft0;
-    return sp_contact_slides(m, t) && t->overlap > 0 && sp_norm(3, f) < (1 - 1e-9) * m->friction * t->fn0;
+    return slides(m, t) && t->overlap > 0 && sp_norm(3, f) < (1 - 1e-9) * m->friction * t->fn0;
 }
 
 /* Reports the grain with the largest residual force. The contact law has no scale of its own except where contacts
@@ -318,7 +387,7 @@ static sp_status report_failure(strain_run *r, double residual, sp_error *err) {
         const touching *t = &r->m.touch[k];
         const bool own = r->row[t->i] == worst + 1 || (t->j >= 0 && r->row[t->j] == worst + 1);
         contacts += own && t->kn > 0;
-        sliding += own && sp_contact_slides(&r->m, t);
+        sliding += own && slides(&r->m, t);
         changed += (t->overlap > 0) != (t->kn > 0) || begins_to_slide(&r->m, t);
     }
     return sp_fail(

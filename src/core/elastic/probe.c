@@ -1,9 +1,9 @@
 /* Apparent moduli on smaller scales, from the elastic energy of a static response (Somfai et al. 2005, Appendix B). In
  * 2D, energies are those of a layer one diameter thick. In 3D, the area of the walls replaces L1 in (B2) and (B3). */
 #include "base/base.h"
+#include "base/vector.h"
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
-#include "linalg/vector.h"
 #include "network/apply.h"
 
 #include <math.h>
@@ -49,32 +49,26 @@ static double square_of(const sp_network *net, const double *f) {
 
 /* The part of the load f that accelerates floppy parts. For small s, s M (K + s M)^-1 f keeps the load on a motion that
  * K does not resist, and almost nothing else. v: [n] scratch. */
-static sp_status find_floppy(const sp_equilibrium *e, const double *f, double *floppy, double *v, sp_error *err) {
+static void find_floppy(const sp_equilibrium *e, const double *f, double *floppy, double *v) {
     enum { PASSES = 4 };
     const int64_t n = sp_network_dofs(e->net);
     memcpy(floppy, f, (size_t)n * sizeof *f);
     for (int pass = 0; pass < PASSES; pass++) {
-        sp_status status = sp_equilibrium_apply(e, floppy, v, err);
-        if (status != SP_OK)
-            return status;
+        sp_equilibrium_apply(e, floppy, v);
         for (int64_t k = 0; k < n; k++)
             floppy[k] = e->shift * e->net->mass[k] * v[k];
     }
-    return SP_OK;
 }
 
 /* Removes from f the part that accelerates floppy parts, and adds it to `removed`. Repetition removes what rounding
  * leaves. work: [2][n]. *share: the removed part of the square of f. */
-static sp_status drop_floppy(const sp_equilibrium *e, double *f, double *work, double *removed, double *share,
-                             sp_error *err) {
+static void drop_floppy(const sp_equilibrium *e, double *f, double *work, double *removed, double *share) {
     enum { TURNS = 3 };
     const int64_t n = sp_network_dofs(e->net);
     double *floppy = work;
     const double whole = square_of(e->net, f);
     for (int turn = 0; turn < TURNS; turn++) {
-        sp_status status = find_floppy(e, f, floppy, work + n, err);
-        if (status != SP_OK)
-            return status;
+        find_floppy(e, f, floppy, work + n);
         if (turn == 0) {
             const double part = square_of(e->net, floppy) / whole;
             if (!(part > 1e-20)) /* rounding errors only: there is nothing floppy to remove */
@@ -86,7 +80,6 @@ static sp_status drop_floppy(const sp_equilibrium *e, double *f, double *work, d
             removed[k] += floppy[k];
         }
     }
-    return SP_OK;
 }
 
 /* Removes from f what turns the spins that are held. */
@@ -120,11 +113,10 @@ static sp_status solve_sine(sp_equilibrium *e, int n, const double *f, double *u
     if (status == SP_OK && e->shift_kind == SHIFT_MASS) {
         for (int64_t k = 0; k < dofs; k++)
             momentum[k] = e->net->mass[k] * u[k];
-        status = find_floppy(e, momentum, floppy, work + 2 * dofs, err);
+        find_floppy(e, momentum, floppy, work + 2 * dofs);
         for (int64_t k = 0; k < dofs; k++)
             u[k] -= floppy[k] / e->net->mass[k];
-        if (status == SP_OK)
-            status = sp_equilibrium_solve(e, f, load, u, &residual, err);
+        status = sp_equilibrium_solve(e, f, load, u, &residual, err);
     }
     if (status != SP_OK || residual < 1e-8 * load)
         return status;
@@ -174,20 +166,18 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     const int64_t dofs = sp_network_dofs(net);
     const double height = net->box[net->dim - 1], most = 0.1;
     double *f = work, *u = work + dofs, *floppy = work + 5 * dofs, energy, error, turning;
-    sp_status status = SP_OK;
     memset(floppy, 0, (size_t)dofs * sizeof *floppy);
     body_force(e, phi3s, n, axis, f);
     if (e->slips && axis != net->dim - 1)
         drop_net_force(net, axis, f);
     if (e->shift_kind == SHIFT_MASS)
-        status = drop_floppy(e, f, work + 2 * dofs, floppy, &out->left_out, err);
+        drop_floppy(e, f, work + 2 * dofs, floppy, &out->left_out);
     drop_spins(e, f, &out->left_out);
-    if (status == SP_OK && out->left_out > most)
-        status = sp_fail(err, SP_EREFUSED,
-                         "probe sine:%d: %.2g of the squared body force acts on floppy parts, must be below %g", n,
-                         out->left_out, most);
-    if (status == SP_OK)
-        status = solve_sine(e, n, f, u, work + 2 * dofs, err);
+    if (out->left_out > most)
+        return sp_fail(err, SP_EREFUSED,
+                       "probe sine:%d: %.2g of the squared body force acts on floppy parts, must be below %g", n,
+                       out->left_out, most);
+    sp_status status = solve_sine(e, n, f, u, work + 2 * dofs, err);
     if (status == SP_OK)
         status = sine_energy(e, f, u, work + 2 * dofs, &energy, &error, &turning, err);
     if (status != SP_OK)

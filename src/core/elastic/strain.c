@@ -8,15 +8,15 @@
 #include <math.h>
 
 /* The affine field u_along = x_of. */
-typedef struct field {
+typedef struct axes {
     int along, of;
-} field;
+} axes;
 
-static field field_of(const sp_network *net, int strain) {
-    static const field plane[] = {{0, 0}, {1, 1}, {0, 1}};
-    static const field space[] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+static axes axes_of(const sp_network *net, int strain) {
+    static const axes plane[] = {{0, 0}, {1, 1}, {0, 1}};
+    static const axes space[] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
     if (net->dim == 1)
-        return (field){0, 0};
+        return (axes){0, 0};
     return net->dim == 2 ? plane[strain] : space[strain];
 }
 
@@ -27,7 +27,7 @@ bool sp_strain_allowed(const sp_network *net, int strain, bool grips) {
         return strain == STRAIN_22;
     if (strain >= sp_strain_count(net))
         return false;
-    const field s = field_of(net, strain);
+    const axes s = axes_of(net, strain);
     return grips || s.along == s.of || s.of != net->dim - 1;
 }
 
@@ -40,7 +40,7 @@ double sp_strain_volume(const sp_network *net) { return sp_strain_area(net) * ne
 double sp_strain_noise(const sp_network *net) { return DBL_EPSILON * (16 + sqrt((double)net->n_springs)); }
 
 void sp_strain_displacement(const sp_network *net, int strain, const double n[3], double length, double out[3]) {
-    const field f = field_of(net, strain);
+    const axes f = axes_of(net, strain);
     out[0] = out[1] = out[2] = 0;
     out[f.along] = length * n[f.of];
 }

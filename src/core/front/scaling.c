@@ -2,7 +2,6 @@
 #include <sonopack/scaling.h>
 
 #include "base/base.h"
-#include "numeric/fit.h"
 #include "numeric/statistics.h"
 
 #include <math.h>

@@ -1,9 +1,9 @@
 /* Shift-invert Lanczos by ARPACK: the only file that calls it. ARPACK returns the eigenvalues nearest to the shift, of
  * which some lie outside the interval that is searched, and it may miss a copy of a degenerate one. So it is called
  * again, with more eigenvalues, or orthogonally to those found, until the number is the wanted one. */
-#include "linalg/arpack.h"
 #include "base/base.h"
 #include "linalg/arrays.h"
+#include "linalg/lanczos.h"
 
 #include <arpack.h>
 #include <cblas.h>

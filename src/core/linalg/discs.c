@@ -1,15 +1,16 @@
 /* Encloses the eigenvalues of a nonsymmetric matrix in Gershgorin discs. */
 #include "linalg/discs.h"
 #include "base/base.h"
+#include "base/vector.h"
 #include "linalg/arrays.h"
-#include "linalg/blas.h"
-#include "linalg/general.h"
-#include "linalg/vector.h"
+#include "linalg/eigen.h"
 
 #include <cblas.h>
 #include <float.h>
+#include <lapacke.h> /* includes complex.h */
 #include <math.h>
 #include <string.h>
+#undef I
 
 void sp_discs_free(sp_discs *d) {
     sp_free(d->re); /* one block */

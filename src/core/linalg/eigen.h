@@ -1,6 +1,6 @@
 #ifndef SP_EIGEN_H
 #define SP_EIGEN_H
-/* Dense symmetric eigenproblems (LAPACK). Matrices are n x n by columns; only the lower triangle is read. */
+/* Dense eigenproblems (LAPACK). Matrices are n x n by columns; of symmetric ones only the lower triangle is read. */
 
 #include <sonopack/status.h>
 #include <stdint.h>
@@ -31,5 +31,10 @@ sp_status sp_tridiagonal_vectors(const sp_tridiagonal *t, int64_t count, double 
 void sp_project(int64_t n, int64_t count, const double *vectors, int columns, const double *column, double *out);
 /* Largest |x . y - delta| over all pairs of vectors [count][n], delta = 1 for x with itself and 0 otherwise. */
 sp_status sp_orthogonality(int64_t n, int64_t count, const double *vectors, double *largest, sp_error *err);
+
+/* All eigenvalues re + i im of a (n x n by columns, overwritten) and their right eigenvectors [n][n]. Of a complex pair
+ * the eigenvalue with positive imaginary part comes first; its two rows hold the real and the imaginary part of its
+ * eigenvector. */
+SP_SHARED sp_status sp_eigen_general(int64_t n, double *a, double *re, double *im, double *vectors, sp_error *err);
 
 #endif

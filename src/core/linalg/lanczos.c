@@ -5,7 +5,6 @@
 #include "linalg/lanczos.h"
 #include "base/base.h"
 #include "linalg/arrays.h"
-#include "linalg/blas.h"
 #include "linalg/eigen.h"
 
 #include <cblas.h>

@@ -23,6 +23,9 @@ typedef struct sp_lanczos_pairs {
 
 /* factor: the factor of A - sigma. SP_EREFUSED without convergence, and if n is too small for `wanted`. */
 sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_lanczos_pairs *out, sp_error *err);
+/* The same search by implicitly restarted Lanczos (ARPACK), one right-hand side after another. ARPACK keeps its state
+ * in static variables, so one search runs at a time in a process; others wait. */
+sp_status sp_arpack(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_lanczos_pairs *out, sp_error *err);
 void sp_lanczos_free(sp_lanczos_pairs *p);
 
 #endif

@@ -1,8 +1,10 @@
 /* Orders a sparse symmetric matrix and finds the supernodes of its factor with CHOLMOD. */
 #include "linalg/supernodes.h"
+
 #include "base/base.h"
 
 #include <cholmod.h>
+#include <sonopack/sparse.h>
 #include <string.h>
 
 /* CHOLMOD takes 64-bit indices here; an ordering does not read the values. stype -1: lower triangle. */
@@ -139,4 +141,11 @@ void sp_supernodes_free(sp_supernodes *s) {
     sp_free(s->place);
     sp_free(s->diagonal);
     *s = (sp_supernodes){0};
+}
+
+void sp_sparse_free(sp_sparse *a) {
+    sp_free(a->p);
+    sp_free(a->i);
+    sp_free(a->x);
+    *a = (sp_sparse){0};
 }

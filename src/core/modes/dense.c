@@ -1,9 +1,9 @@
 /* Computes all modes with LAPACK and refines their eigenvalues. */
 #include "base/base.h"
 #include "linalg/eigen.h"
-#include "modes/rows.h"
+#include "modes/mode_table.h"
+#include "modes/refine.h"
 #include "modes/slices.h"
-#include "modes/zeros.h"
 
 #include <math.h>
 

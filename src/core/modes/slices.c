@@ -1,7 +1,7 @@
 /* Finds all eigenpairs between two shifts, slice by slice, and proves that none is missing. */
 #include "modes/slices.h"
 #include "base/base.h"
-#include "linalg/arpack.h"
+#include "linalg/lanczos.h"
 
 #include <float.h>
 #include <math.h>

@@ -8,7 +8,7 @@
  * rigid motions, and counts are corrected for them. */
 
 #include "linalg/lanczos.h"
-#include "modes/zeros.h"
+#include "modes/refine.h"
 
 #include <sonopack/modes.h>
 
@@ -65,5 +65,10 @@ sp_status sp_slicer_zeros(const slicer *z, int64_t *zeros, sp_error *err);
 /* Finds all modes that are zero modes and the `count` lowest others, or some more. SP_EINVAL if there are fewer. *end:
  * an edge above the last one, which proves that none is missing. */
 sp_status sp_slicer_lowest(slicer *z, int64_t count, slice_edge *end, sp_error *err);
+
+/* All frequencies of a large network, without vectors, in pieces of the spectrum, which threads share. The pieces do
+ * not depend on the number of threads, and neither does the result. SP_EREFUSED if the modes of a piece cannot be
+ * counted. */
+sp_status sp_modes_in_pieces(const sp_network *net, const sp_modes_options *opt, sp_modes *out, sp_error *err);
 
 #endif

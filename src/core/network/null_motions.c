@@ -1,13 +1,105 @@
 /* Motions of single grains and of rigid parts that stretch no spring. */
 #include "network/null_motions.h"
+
 #include "base/base.h"
 #include "base/vector.h"
 #include "network/network_cell.h"
 #include "network/rows.h"
-#include "network/svd.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
+
+/* ---- null spaces of small matrices --------------------------------------------------------------------------------
+ */
+
+enum { MOST = SP_GRAIN_DOFS };
+
+/* The factor R of W = Q R for a matrix W with up to six columns and any number of rows, which are added one by one:
+ * R^T R = W^T W, but small singular values are not squared. Givens rotations, and one-sided Jacobi rotations (Hestenes
+ * 1958), which find small singular values accurately. */
+typedef struct svd {
+    int n; /* columns */
+    double r[MOST][MOST];
+} svd;
+
+/* Adds a row of W, which is overwritten. */
+static void svd_add(svd *t, double row[MOST]) {
+    for (int c = 0; c < t->n; c++) {
+        double *own = t->r[c];
+        const double size = hypot(own[c], row[c]);
+        if (row[c] == 0)
+            continue;
+        const double cosine = own[c] / size, sine = row[c] / size;
+        for (int k = c; k < t->n; k++) {
+            const double a = own[k], b = row[k];
+            own[k] = cosine * a + sine * b;
+            row[k] = cosine * b - sine * a;
+        }
+    }
+}
+
+/* A lower bound of all singular values. It costs less. */
+static double svd_least(const svd *t) {
+    double inverse[MOST][MOST] = {{0}}, squares = 0;
+    for (int c = 0; c < t->n; c++)
+        for (int r = c; r >= 0; r--) {
+            double sum = r == c;
+            for (int k = r + 1; k <= c; k++)
+                sum -= t->r[r][k] * inverse[k][c];
+            if (t->r[r][r] == 0)
+                return 0;
+            inverse[r][c] = sum / t->r[r][r];
+            squares += inverse[r][c] * inverse[r][c];
+        }
+    return isfinite(squares) ? 1 / sqrt(squares) : 0;
+}
+
+/* Makes columns p and q of g orthogonal; returns whether they were not. */
+static int rotate(int n, double g[MOST][MOST], double v[MOST][MOST], int p, int q, double tiny) {
+    double pp = 0, qq = 0, pq = 0;
+    for (int k = 0; k < n; k++) {
+        pp += g[p][k] * g[p][k];
+        qq += g[q][k] * g[q][k];
+        pq += g[p][k] * g[q][k];
+    }
+    if (fabs(pq) <= 4 * DBL_EPSILON * sqrt(pp * qq) || fabs(pq) <= tiny)
+        return 0;
+    const double tau = (qq - pp) / (2 * pq), tangent = copysign(1, tau) / (fabs(tau) + hypot(1, tau));
+    const double cosine = 1 / hypot(1, tangent), sine = cosine * tangent;
+    for (int k = 0; k < n; k++) {
+        const double a = g[p][k], b = g[q][k], x = v[p][k], y = v[q][k];
+        g[p][k] = cosine * a - sine * b;
+        g[q][k] = sine * a + cosine * b;
+        v[p][k] = cosine * x - sine * y;
+        v[q][k] = sine * x + cosine * y;
+    }
+    return 1;
+}
+
+/* Singular values of W and its right singular vectors v[k], in no order. */
+static void svd_values(const svd *t, double value[MOST], double v[MOST][MOST]) {
+    const int n = t->n;
+    double g[MOST][MOST] = {{0}}, squares = 0; /* columns of R v */
+    for (int c = 0; c < n; c++)
+        for (int k = 0; k < n; k++) {
+            g[c][k] = k <= c ? t->r[k][c] : 0;
+            v[c][k] = k == c;
+            squares += g[c][k] * g[c][k];
+        }
+    for (int sweep = 0, turned = 1; sweep < 30 && turned; sweep++) {
+        turned = 0;
+        for (int p = 0; p < n; p++)
+            for (int q = p + 1; q < n; q++)
+                turned += rotate(n, g, v, p, q, DBL_EPSILON * DBL_EPSILON * squares);
+    }
+    for (int c = 0; c < n; c++) {
+        value[c] = 0;
+        for (int k = 0; k < n; k++)
+            value[c] += g[c][k] * g[c][k];
+        value[c] = sqrt(value[c]);
+    }
+}
 
 enum { DOFS = SP_GRAIN_DOFS };
 
@@ -25,7 +117,7 @@ typedef struct part {
     double centre[3];               /* mean place */
     int count;                      /* independent motions as a rigid body */
     double coefficient[DOFS][DOFS]; /* of each: translations, then rotations */
-    sp_svd t;
+    svd t;
 } part;
 
 typedef struct maker {
@@ -52,30 +144,30 @@ void sp_null_motions_free(sp_null_motions *z) {
 
 /* Adds the stretches of a spring by the motions [columns][dofs] of its two grains; unit: mass-weighted motions. */
 static void add_stretches(const sp_network *net, const sp_spring *s, int columns, double (*i)[DOFS], double (*j)[DOFS],
-                          sp_svd *t) {
+                          svd *t) {
     const int dof = net->dof;
     const double *mi = net->mass + (int64_t)s->i * dof, *mj = s->j >= 0 ? net->mass + (int64_t)s->j * dof : NULL;
     sp_rows rows;
     sp_network_rows(net, s, &rows);
     for (int q = 0; q < rows.count; q++) {
         const double root = sqrt(fabs(rows.k[q]));
-        double row[SP_SVD_MAX] = {0};
+        double row[MOST] = {0};
         for (int c = 0; c < columns; c++)
             for (int a = 0; a < dof; a++) {
                 row[c] += i ? root * rows.b[q][a] * i[c][a] / sqrt(mi[a]) : 0;
                 row[c] += j && mj ? root * rows.b[q][dof + a] * j[c][a] / sqrt(mj[a]) : 0;
             }
-        sp_svd_add(t, row);
+        svd_add(t, row);
     }
 }
 
 /* Stores the null vectors of a grain; counts only while there is no memory for them. */
-static void keep_spins(maker *k, int32_t grain, const sp_svd *t) {
+static void keep_spins(maker *k, int32_t grain, const svd *t) {
     const double limit = SLACK * sp_network_omega_bound(k->net);
     double value[DOFS], v[DOFS][DOFS] = {{0}}; /* fewer degrees of freedom leave the rest 0 */
-    if (sp_svd_least(t) > limit)
+    if (svd_least(t) > limit)
         return;
-    sp_svd_values(t, value, v);
+    svd_values(t, value, v);
     for (int c = 0; c < t->n; c++)
         if (value[c] <= limit) {
             if (k->out->spin) {
@@ -90,7 +182,7 @@ static void keep_spins(maker *k, int32_t grain, const sp_svd *t) {
 static sp_status find_spins(maker *k, sp_error *err) {
     static double unit[DOFS][DOFS] = {{1}, {0, 1}, {0, 0, 1}, {0, 0, 0, 1}, {0, 0, 0, 0, 1}, {0, 0, 0, 0, 0, 1}};
     const sp_network *net = k->net;
-    sp_svd *t = sp_alloc((size_t)net->n, sizeof *t);
+    svd *t = sp_alloc((size_t)net->n, sizeof *t);
     if (!t)
         return sp_fail_memory(err, (size_t)net->n * sizeof *t);
     for (int32_t i = 0; i < net->n; i++)
@@ -244,7 +336,7 @@ static void find_centres(maker *k) {
 static void choose(part *p, double least, double most, double *worst) {
     double value[DOFS], v[DOFS][DOFS], before[DOFS][DOFS], top = 0;
     const int count = p->t.n;
-    sp_svd_values(&p->t, value, v);
+    svd_values(&p->t, value, v);
     memcpy(before, p->coefficient, sizeof before);
     memset(p->coefficient, 0, sizeof p->coefficient);
     p->count = 0;
@@ -274,7 +366,7 @@ static void start_basis(maker *k) {
     }
     for (int32_t i = 0; i < k->count; i++) {
         part *p = &k->parts[i];
-        p->t = (sp_svd){.n = p->count = motions_of(k->net, p)};
+        p->t = (svd){.n = p->count = motions_of(k->net, p)};
         for (int c = 0; c < p->count; c++)
             p->coefficient[c][c] = p->coefficient[c][c] > 0 ? 1 / sqrt(p->coefficient[c][c]) : 0;
     }
@@ -288,16 +380,16 @@ static void find_basis(maker *k) {
         double own[DOFS][DOFS];
         ride_basis(k, p, i, own);
         for (int a = 0; a < DOFS && p->count > 0; a++) {
-            double row[SP_SVD_MAX] = {0};
+            double row[MOST] = {0};
             for (int q = 0; q < p->count; q++)
                 row[q] = own[q][a];
-            sp_svd_add(&p->t, row);
+            svd_add(&p->t, row);
         }
     }
     for (int32_t i = 0; i < k->count; i++)
         if (k->parts[i].count > 0) {
             choose(&k->parts[i], DEPENDENT, 0, NULL);
-            k->parts[i].t = (sp_svd){.n = k->parts[i].count};
+            k->parts[i].t = (svd){.n = k->parts[i].count};
         }
 }
 

@@ -23,4 +23,8 @@ int64_t sp_bessel_scratch(int64_t n, int64_t columns);
 void sp_bessel_series_many(int64_t n, int64_t columns, const double *c, int parity, int64_t count, const double *x,
                            double *f, int64_t stride, double *scratch);
 
+/* Airy function Ai(x) and its derivative for finite x. Relative errors are 1e-14 for |x| < 9 (of the envelope where the
+ * functions oscillate), and (1 + |x|^(3/2)) 2e-16 beyond. */
+void sp_airy(double x, double *ai, double *slope);
+
 #endif

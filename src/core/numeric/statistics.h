@@ -1,7 +1,7 @@
 #ifndef SP_STATISTICS_H
 #define SP_STATISTICS_H
-/* Mean, standard deviation and bootstrap errors of samples. A NAN in the input gives NAN: nothing is left out
- * silently. */
+/* Mean, standard deviation and bootstrap errors of samples, and straight lines through points. A NAN in the input of
+ * the first three gives NAN: nothing is left out silently. */
 
 #include <sonopack/status.h>
 #include <stdint.h>
@@ -35,5 +35,17 @@ typedef void (*sp_statistics_of)(const int64_t *size, const int64_t *const *pick
  * number of groups. */
 sp_status sp_bootstrap_many(int groups, const int64_t *size, int values, sp_statistics_of statistics, void *user,
                             const sp_bootstrap_options *opt, double *standard_error, sp_error *err);
+
+typedef struct sp_line {
+    double slope, intercept;
+    double slope_err, intercept_err; /* from y_err, or without it from the scatter (NAN for 2 points) */
+    double chi2;                     /* sum of squared deviations over squared errors (1 without y_err) */
+    int64_t freedom;                 /* degrees of freedom, n - 2 */
+} sp_line;
+
+/* Fits y = intercept + slope x to n points, weighted with 1 / y_err^2, or equally if y_err is NULL. SP_EINVAL for fewer
+ * than 2 points, values that are not finite, errors that are not positive, or equal x. */
+SP_SHARED sp_status sp_fit_line(int64_t n, const double *x, const double *y, const double *y_err, sp_line *out,
+                                sp_error *err);
 
 #endif

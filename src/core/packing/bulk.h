@@ -14,11 +14,8 @@ typedef struct bulk {
 /* margin: thickness of the layers [d]. Without walls the bulk is the whole cell. */
 bulk sp_bulk_of(const sp_packing *p, double margin);
 bool sp_bulk_has(const bulk *b, const double x[3]);
-/* Whether a contact point is in the bulk. */
-bool sp_bulk_has_contact(const bulk *b, const sp_packing *p, const sp_contact *c);
-/* Fractions of a ball, and in two dimensions of a disc, of radius r that are in the bulk. Exact where at most one
- * wall's layer cuts it, to about 1e-3 at edges and corners. */
+/* Fraction of a ball of radius r that is in the bulk. Exact where at most one wall's layer cuts it, to about 1e-3 at
+ * edges and corners. */
 double sp_bulk_ball(const bulk *b, const double x[3], double r);
-double sp_bulk_disc(const bulk *b, const double x[3], double r);
 
 #endif

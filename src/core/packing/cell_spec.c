@@ -20,7 +20,8 @@ static double solid_volume(const sp_pack_spec *s) {
     return s->grains * (s->dim == 2 ? sp_sizes_mean_area(s) / DISKS : sp_sizes_mean_volume(s) / SPHERES);
 }
 
-int sp_stress_components(int dim) { return dim == 2 ? 3 : 6; }
+/* Of packing.stress. */
+static int components_of(int dim) { return dim == 2 ? 3 : 6; }
 
 void sp_stress_target(const sp_pack_spec *s, double target[6]) {
     static const int plane[3] = {0, 1, 5}; /* xx, yy, xy */
@@ -40,7 +41,7 @@ static double mean_stress(const sp_pack_spec *s) {
 void sp_cell_spec_resolve(sp_pack_spec *s) {
     if (s->cell == SP_CELL_PISTON || (s->dim != 2 && s->dim != 3) || s->grains < 1)
         return;
-    if (s->stress_count == sp_stress_components(s->dim) && s->stress && mean_stress(s) > 0)
+    if (s->stress_count == components_of(s->dim) && s->stress && mean_stress(s) > 0)
         s->pressure = mean_stress(s);
     if (s->kind == SP_PACK_PISTON && s->width == usual.width)
         s->width = s->dim == 2    ? sqrt(solid_volume(s))
@@ -66,7 +67,7 @@ static bool positive(const double t[6]) {
 }
 
 static sp_status check_stress(const sp_pack_spec *given, sp_error *err) {
-    const int count = sp_stress_components(given->dim);
+    const int count = components_of(given->dim);
     double t[6];
     if (given->stress_count != count || !given->stress)
         return sp_fail_key(err, SP_EINVAL, "packing.stress",

@@ -1,7 +1,7 @@
 #ifndef SP_COMPRESSION_H
 #define SP_COMPRESSION_H
-/* State and functions of one compression run: start (start.c), protocol (piston.c), loading (drive.c), saved state
- * (state.c) and resulting packing (freeze.c). */
+/* State and functions of one compression run: start (start.c), protocol and resulting packing (piston.c), loading
+ * (drive.c), saved state (state.c). */
 #include "packing/dynamics.h"
 
 #include <math.h>
@@ -46,11 +46,6 @@ typedef struct compression {
  * this fails. */
 sp_status sp_compression_start(compression *run, sp_error *err);
 void sp_compression_free(compression *run);
-/* Length of the first step, unless contacts need a shorter one. */
-double sp_compression_first_step(const compression *run);
-/* Creates the dynamics of grains at x with radii r, given in packing order, and chooses their order in memory. */
-sp_status sp_compression_place(compression *run, const sp_pack_spec *spec, const double *r, const double *x,
-                               double height, sp_error *err);
 
 /* Pressure of a stage. */
 double sp_compression_stage_pressure(const sp_pack_spec *spec, int32_t stage);
@@ -74,7 +69,16 @@ sp_status sp_state_save(compression *run, sp_error *err);
 /* Restores *run from hooks->state. *run has `whole` and `hooks` only. SP_EFORMAT, SP_ENOMEM. */
 sp_status sp_state_load(compression *run, sp_error *err);
 
-/* Extracts the packing from the final state. */
-sp_status sp_compression_freeze(const compression *run, sp_packing *out, sp_error *err);
+/* ---- cells without a piston: the cell shrinks around the gas at a small inertial number, and then follows the
+ * difference between the stress in the grains and its target. ---- */
+
+/* Largest difference between the stress and its target: of the mean normal stress, or of all components. */
+double sp_squeeze_imbalance(const compression *run);
+/* Whether the grains carry half of the pressure. */
+bool sp_squeeze_carried(const compression *run);
+/* SP_EFAILED if the cell flows under its stress without end. */
+sp_status sp_squeeze_check(const compression *run, sp_error *err);
+/* Fraction of the way from the gas to a packing, by the volume. */
+double sp_squeeze_progress(const compression *run);
 
 #endif

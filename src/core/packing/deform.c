@@ -1,5 +1,5 @@
 /* The cell of moving grains and its deformation. */
-#include "packing/deform.h"
+#include "packing/dynamics.h"
 
 #include "packing/geometry.h"
 

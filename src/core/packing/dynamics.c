@@ -5,12 +5,8 @@
 #include "base/clones.h"
 #include "base/vector.h"
 #include "packing/contact.h"
-#include "packing/deform.h"
-#include "packing/force_rows.h"
-#include "packing/history_pairs.h"
 #include "packing/inertia.h"
 #include "packing/kernel.h"
-#include "packing/pairs.h"
 #include "packing/plain.h"
 
 #include <math.h>

@@ -3,7 +3,6 @@
 #include "base/clones.h"
 
 #include "packing/inertia.h"
-#include "packing/roots.h"
 
 #include <math.h>
 

@@ -22,7 +22,5 @@ enum { MINDLIN_TURNS = 6, MINDLIN_NUMBERS = 1 + MINDLIN_TURNS };
 
 /* Tangential force after the slip, exact for a constant normal force however long the slip is. limit: mu F. */
 double sp_mindlin_slip(double *past, int64_t stride, double force, double limit, double stiffness, double slip);
-/* Forgets everything. */
-void sp_mindlin_clear(double *past, int64_t stride);
 
 #endif

@@ -1,4 +1,4 @@
-/* Memory, geometry, structure check and contact order of packings. */
+/* Memory, structure check and contact order of packings; what completes contacts; grains that do not carry force. */
 #include "base/base.h"
 #include "packing/contact.h"
 #include "packing/geometry.h"
@@ -233,5 +233,118 @@ sp_status sp_packing_check(const sp_packing *p, sp_error *err) {
         status = check_grains(p, err);
     if (status == SP_OK)
         status = check_contacts(p, err);
+    return status;
+}
+
+/* ---- what is not known of contacts ------------------------------------------------------------------------------- */
+
+static sp_status complete(const sp_packing *p, int32_t index, sp_contact *c, sp_error *err) {
+    if (c->i < 0 || c->i >= p->n || c->j < SP_BACK || c->j >= p->n)
+        return sp_fail(err, SP_EINVAL, "contact %d joins %d and %d: must be grains 0 .. %d, or a grain and a wall",
+                       index, c->i, c->j, p->n - 1);
+    if (c->overlap < 0 || c->fn < 0 || (isnan(c->overlap) && isnan(c->fn)))
+        return sp_fail(err, SP_EINVAL, "contact %d has overlap %g, fn %g: must be >= 0, and one of them known", index,
+                       c->overlap, c->fn);
+    const double e = contact_stiffness_in(p, c->i, c->j);
+    const bool spring = c->kn > 0;
+    if (isnan(c->overlap))
+        c->overlap = spring ? c->fn / c->kn : contact_overlap(e, c->fn);
+    else if (isnan(c->fn))
+        c->fn = spring ? c->kn * c->overlap : contact_force(e, c->overlap);
+    if (isnan(c->kt))
+        c->kt = spring ? contact_eta(p->poisson) * c->kn : 0;
+    return SP_OK;
+}
+
+sp_status sp_packing_complete(sp_packing *p, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int32_t k = 0; k < p->n_contacts && status == SP_OK; k++)
+        status = complete(p, k, &p->contacts[k], err);
+    return status;
+}
+
+/* ---- rattlers ---------------------------------------------------------------------------------------------------- */
+
+/* Contacts needed to carry force: 2 with friction or in 1D, dim + 1 without friction; with a weight dim, on which a
+ * grain rests. */
+static int32_t contacts_needed(const sp_packing *p) {
+    return p->dim == 1 || p->friction > 0 ? 2 : p->dim + (p->gravity > 0 ? 0 : 1);
+}
+
+/* Lists the carrying contacts of each grain i at list[start[i] .. start[i+1]-1]. */
+static void list_contacts(const sp_packing *p, const uint8_t *carrying, int32_t *start, int32_t *list) {
+    for (int32_t c = 0; c < p->n_contacts; c++) {
+        if (!carrying[c])
+            continue;
+        start[p->contacts[c].i + 1]++;
+        if (p->contacts[c].j >= 0)
+            start[p->contacts[c].j + 1]++;
+    }
+    for (int32_t i = 0; i < p->n; i++)
+        start[i + 1] += start[i];
+    for (int32_t c = p->n_contacts - 1; c >= 0; c--) {
+        if (!carrying[c])
+            continue;
+        list[--start[p->contacts[c].i + 1]] = c;
+        if (p->contacts[c].j >= 0)
+            list[--start[p->contacts[c].j + 1]] = c;
+    }
+    /* filling has moved each start[i+1] back to the start of row i */
+    memmove(start, start + 1, (size_t)p->n * sizeof *start);
+}
+
+sp_status sp_packing_rattlers(const sp_packing *p, double threshold, uint8_t *rattler, uint8_t *carrying,
+                              int32_t *n_rattlers, sp_error *err) {
+    size_t n = (size_t)p->n, contacts = (size_t)p->n_contacts;
+    sp_status status = SP_OK;
+    uint8_t *out = sp_alloc(n, 1), *carries = sp_alloc(contacts, 1);
+    int32_t *start = sp_alloc(n + 2, sizeof *start), *list = sp_alloc(2 * contacts, sizeof *list);
+    int32_t *count = sp_alloc(n, sizeof *count), *queue = sp_alloc(n, sizeof *queue);
+    if (!out || !carries || !start || !list || !count || !queue) {
+        status = sp_fail_memory(err, n * 14 + contacts * 9);
+        goto out;
+    }
+    const int32_t needed = contacts_needed(p);
+    int32_t queued = 0, total = 0, ends = 0;
+    for (int32_t c = 0; c < p->n_contacts; c++) {
+        carries[c] = p->contacts[c].fn > threshold * p->pressure;
+        ends += carries[c] ? (p->contacts[c].j >= 0 ? 2 : 1) : 0;
+    }
+    list_contacts(p, carries, start, list);
+    start[p->n] = ends;
+    for (int32_t i = 0; i < p->n; i++) {
+        count[i] = start[i + 1] - start[i];
+        if (count[i] < needed) {
+            out[i] = 1;
+            queue[queued++] = i;
+        }
+    }
+    for (; total < queued; total++) { /* removing a grain may leave its neighbours with too few contacts */
+        int32_t i = queue[total];
+        for (int32_t k = start[i]; k < start[i + 1]; k++) {
+            const sp_contact *contact = &p->contacts[list[k]];
+            if (!carries[list[k]])
+                continue;
+            carries[list[k]] = 0;
+            int32_t other = contact->i == i ? contact->j : contact->i;
+            if (other >= 0 && --count[other] < needed && !out[other]) {
+                out[other] = 1;
+                queue[queued++] = other;
+            }
+        }
+    }
+    if (rattler)
+        memcpy(rattler, out, n);
+    if (carrying)
+        memcpy(carrying, carries, contacts);
+    if (n_rattlers)
+        *n_rattlers = total;
+out:
+    sp_free(queue);
+    sp_free(count);
+    sp_free(list);
+    sp_free(start);
+    sp_free(carries);
+    sp_free(out);
     return status;
 }

@@ -1,9 +1,8 @@
 /* The outer neighbour list, found by cells. */
-#include "packing/pairs.h"
+#include "packing/dynamics.h"
 
 #include "base/base.h"
 #include "packing/contact.h"
-#include "packing/deform.h"
 #include "packing/geometry.h"
 
 #include <math.h>

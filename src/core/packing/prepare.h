@@ -2,12 +2,15 @@
 #define SP_PREPARE_H
 /* Internal interface of packing generation: resolved specs, size distributions, the initial gas, and the generators. */
 
+#include "base/key.h"
+
 #include <sonopack/packing.h>
 
-/* Cells without a piston (cell_spec.c). The number of components of packing.stress; the target stress, xx yy zz yz xz
- * xy, which is p along the diagonal without one; the rows of the resolve and the check; and the spec of the gas, with
- * longer edges. */
-int sp_stress_components(int dim);
+/* All members of sp_pack_spec with their allowed ranges. Their order is that of the hash in a saved state. */
+SP_SHARED extern const sp_key sp_pack_keys[];
+
+/* Cells without a piston (cell_spec.c). The target stress, xx yy zz yz xz xy, which is p along the diagonal without
+ * packing.stress; the rows of the resolve and the check; and the spec of the gas, with longer edges. */
 void sp_stress_target(const sp_pack_spec *s, double target[6]);
 void sp_cell_spec_resolve(sp_pack_spec *s);
 /* s is `given`, resolved. For all cells: SP_EINVAL names what does not go with the cell. */

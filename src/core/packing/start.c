@@ -2,16 +2,16 @@
 #include "base/base.h"
 #include "packing/compression.h"
 #include "packing/contact.h"
-#include "packing/neighbours.h"
-#include "packing/pairs.h"
+#include "packing/dynamics.h"
 #include "packing/prepare.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Uses a stiffness that the packing certainly reaches: that of one grain that carries p d^2. */
-double sp_compression_first_step(const compression *run) {
+/* Unless contacts need a shorter one. Uses a stiffness that the packing certainly reaches: that of one grain that
+ * carries p d^2. */
+static double first_step(const compression *run) {
     double e = contact_stiffness(0.5, 0.5), overlap = contact_overlap(e, run->spec->pressure);
     return 0.1 * sqrt(run->d.m_min / contact_normal_stiffness(e, overlap));
 }
@@ -33,13 +33,13 @@ static int64_t default_max_steps(const compression *run) {
 
 /* ---- order in memory ----------------------------------------------------------------------------------------- */
 
-typedef struct place {
+typedef struct numbered {
     int64_t cell[3];
     int32_t id;
-} place;
+} numbered;
 
 static int by_place(const void *one, const void *two) {
-    const place *a = one, *b = two;
+    const numbered *a = one, *b = two;
     for (int k = 0; k < 3; k++)
         if (a->cell[k] != b->cell[k])
             return a->cell[k] < b->cell[k] ? -1 : 1;
@@ -51,7 +51,7 @@ static int by_place(const void *one, const void *two) {
 static sp_status number_by_place(const sp_pack_spec *spec, const double *x, double height, int32_t *id, sp_error *err) {
     const int up = spec->dim - 1;
     const double layers = fmax(1, spec->grains / (spec->width * (up == 2 ? spec->depth : 1)));
-    place *p = sp_alloc((size_t)spec->grains, sizeof *p);
+    numbered *p = sp_alloc((size_t)spec->grains, sizeof *p);
     if (!p)
         return sp_fail_memory(err, (size_t)spec->grains * sizeof *p);
     for (int32_t i = 0; i < spec->grains; i++) {
@@ -75,8 +75,9 @@ static void reorder(const int32_t *id, int32_t n, const double *r, const double 
     }
 }
 
-sp_status sp_compression_place(compression *run, const sp_pack_spec *spec, const double *r, const double *x,
-                               double height, sp_error *err) {
+/* Creates the dynamics of grains at x with radii r, given in packing order, and chooses their order in memory. */
+static sp_status place_grains(compression *run, const sp_pack_spec *spec, const double *r, const double *x,
+                              double height, sp_error *err) {
     const size_t n = (size_t)spec->grains;
     double *scratch = sp_alloc(4 * n, sizeof *scratch);
     run->id = sp_alloc(n, sizeof *run->id);
@@ -101,7 +102,7 @@ static sp_status start_gas(compression *run, double *r, double *x, sp_error *err
     sp_radii_draw(run->spec, r);
     const sp_pack_spec gas = sp_cell_spec_gas(run->spec);
     sp_status status = sp_gas_make_watched(&gas, run->hooks, r, x, &height, err);
-    return status == SP_OK ? sp_compression_place(run, &gas, r, x, height, err) : status;
+    return status == SP_OK ? place_grains(run, &gas, r, x, height, err) : status;
 }
 
 static sp_status start_lattice(compression *run, double *r, double *x, sp_error *err) {
@@ -112,7 +113,7 @@ static sp_status start_lattice(compression *run, double *r, double *x, sp_error 
     sp_pack_spec blown_up = *run->spec;
     blown_up.width = lattice.width;
     run->period_end[0] = lattice.width_end;
-    return sp_compression_place(run, &blown_up, r, x, lattice.height, err);
+    return place_grains(run, &blown_up, r, x, lattice.height, err);
 }
 
 /* Transfers the tangential forces of a packing's contacts to grains that have just been placed. */
@@ -155,13 +156,13 @@ static sp_status measure_step(compression *run, sp_error *err) {
     sp_dynamics_forces(d, 0);
     sp_dynamics_advance(d, 0);
     const double rate = d->plain ? sqrt(d->k_max / d->m_min) / 0.04 : d->rate / 0.1; /* stable for any damping */
-    d->dt = rate > 0 ? fmin(sp_compression_first_step(run), 1 / rate) : sp_compression_first_step(run);
+    d->dt = rate > 0 ? fmin(first_step(run), 1 / rate) : first_step(run);
     return SP_OK;
 }
 
 static sp_status start_packing(compression *run, sp_error *err) {
     const sp_packing *from = run->hooks->from;
-    sp_status status = sp_compression_place(run, run->spec, from->r, from->x, sp_packing_height(from), err);
+    sp_status status = place_grains(run, run->spec, from->r, from->x, sp_packing_height(from), err);
     if (status == SP_OK)
         status = set_forces(run, from, err);
     if (status != SP_OK)
@@ -195,7 +196,7 @@ static sp_status start_new(compression *run, sp_error *err) {
     default: status = start_gas(run, r, x, err); break;
     }
     if (status == SP_OK && run->spec->kind != SP_PACK_FILE) {
-        run->d.dt = sp_compression_first_step(run);
+        run->d.dt = first_step(run);
         if (run->d.cell == SP_CELL_PISTON)
             run->d.pressure = fmin(run->d.pressure, gentle_pressure(run));
     }

@@ -3,10 +3,8 @@
  * The order of pairs in the neighbour lists determines the order of summation, and so the bits. Therefore the lists are
  * rebuilt from the positions wherever a state may be saved, even if none is. */
 #include "base/base.h"
-#include "base/hash.h"
 #include "packing/compression.h"
-#include "packing/keys.h"
-#include "packing/pairs.h"
+#include "packing/dynamics.h"
 #include "packing/prepare.h"
 
 #include <math.h>
@@ -92,7 +90,7 @@ typedef struct stream {
     bool short_of;             /* an attempt to read beyond size */
 } stream;
 
-static void pass(stream *s, void *data, size_t size) {
+static void visit(stream *s, void *data, size_t size) {
     if (s->from && (s->short_of || size > s->size - s->at)) {
         s->short_of = true;
         return;
@@ -111,7 +109,7 @@ typedef struct header {
     int64_t steps;
 } header;
 
-static void pass_run(stream *s, compression *run) {
+static void visit_run(stream *s, compression *run) {
     dynamics *d = &run->d;
     double *const numbers[] = {&run->start_height,
                                &run->start_period[0],
@@ -149,20 +147,20 @@ static void pass_run(stream *s, compression *run) {
                                &d->dt};
     int32_t phase = (int32_t)run->phase, rest_checks = run->rest_checks;
     for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
-        pass(s, numbers[k], sizeof **numbers);
+        visit(s, numbers[k], sizeof **numbers);
     if (run->whole->cell != SP_CELL_PISTON) {
-        pass(s, d->tilt, sizeof d->tilt);
-        pass(s, d->strain_rate, sizeof d->strain_rate);
-        pass(s, d->shear_rate, sizeof d->shear_rate);
-        pass(s, &run->flow, sizeof run->flow);
-        pass(s, &run->flow_rate, sizeof run->flow_rate);
+        visit(s, d->tilt, sizeof d->tilt);
+        visit(s, d->strain_rate, sizeof d->strain_rate);
+        visit(s, d->shear_rate, sizeof d->shear_rate);
+        visit(s, &run->flow, sizeof run->flow);
+        visit(s, &run->flow_rate, sizeof run->flow_rate);
     }
-    pass(s, &run->steps, sizeof run->steps);
-    pass(s, &run->stall_step, sizeof run->stall_step);
-    pass(s, &run->stage, sizeof run->stage);
-    pass(s, &run->lateral_free, sizeof run->lateral_free);
-    pass(s, &phase, sizeof phase);
-    pass(s, &rest_checks, sizeof rest_checks);
+    visit(s, &run->steps, sizeof run->steps);
+    visit(s, &run->stall_step, sizeof run->stall_step);
+    visit(s, &run->stage, sizeof run->stage);
+    visit(s, &run->lateral_free, sizeof run->lateral_free);
+    visit(s, &phase, sizeof phase);
+    visit(s, &rest_checks, sizeof rest_checks);
     run->phase = phase >= PHASE_FLIGHT && phase <= PHASE_EQUILIBRATION ? (compression_phase)phase : PHASE_FLIGHT;
     run->rest_checks = rest_checks;
 }
@@ -173,7 +171,7 @@ static void write_pairs(stream *s, const dynamics *d) {
     const int kept = dynamics_kept(d);
     const size_t place = s->at;
     int32_t count = 0;
-    pass(s, &count, sizeof count);
+    visit(s, &count, sizeof count);
     for (int32_t k = 0; k < p->n; k++) {
         bool stretched = false;
         for (int a = 0; a < kept; a++)
@@ -181,20 +179,20 @@ static void write_pairs(stream *s, const dynamics *d) {
         if (!stretched)
             continue;
         count++;
-        pass(s, &p->i[k], sizeof *p->i);
-        pass(s, &p->j[k], sizeof *p->j);
+        visit(s, &p->i[k], sizeof *p->i);
+        visit(s, &p->j[k], sizeof *p->j);
         for (int a = 0; a < kept; a++)
-            pass(s, &p->ft[k + (int64_t)a * p->capacity], sizeof *p->ft);
+            visit(s, &p->ft[k + (int64_t)a * p->capacity], sizeof *p->ft);
     }
     if (s->to)
         memcpy(s->to + place, &count, sizeof count);
 }
 
-static void pass_walls(stream *s, dynamics *d) {
+static void visit_walls(stream *s, dynamics *d) {
     for (int side = 0; side < d->walls; side++)
-        pass(s, d->wall_ft[side], (size_t)d->n * (size_t)(d->dim - 1) * sizeof(double));
+        visit(s, d->wall_ft[side], (size_t)d->n * (size_t)(d->dim - 1) * sizeof(double));
     for (int side = 0; side < d->walls && d->at.past > 0; side++)
-        pass(s, d->wall_past[side], (size_t)d->n * (size_t)d->at.past * sizeof(double));
+        visit(s, d->wall_past[side], (size_t)d->n * (size_t)d->at.past * sizeof(double));
 }
 
 static size_t write_all(compression *run, unsigned char *to, size_t size) {
@@ -203,14 +201,14 @@ static size_t write_all(compression *run, unsigned char *to, size_t size) {
     header h = {.version = STATE_VERSION, .order = BYTE_ORDER_MARK, .size = size, .steps = run->steps};
     memcpy(h.magic, magic, sizeof magic);
     h.spec = spec_hash(run->whole);
-    pass(&s, &h, sizeof h);
-    pass_run(&s, run);
-    pass(&s, run->id, (size_t)d->n * sizeof *run->id);
-    pass(&s, d->g, (size_t)d->n * (size_t)d->at.stride * sizeof *d->g);
-    pass_walls(&s, d);
+    visit(&s, &h, sizeof h);
+    visit_run(&s, run);
+    visit(&s, run->id, (size_t)d->n * sizeof *run->id);
+    visit(&s, d->g, (size_t)d->n * (size_t)d->at.stride * sizeof *d->g);
+    visit_walls(&s, d);
     write_pairs(&s, d);
     uint64_t sum = to ? sp_hash64_words(SP_HASH64_BEGIN, to, s.at) : 0;
-    pass(&s, &sum, sizeof sum);
+    visit(&s, &sum, sizeof sum);
     return s.at;
 }
 
@@ -277,8 +275,8 @@ static sp_status read_grains(stream *s, compression *run, sp_error *err) {
     sp_status status = g && r && x && seen && run->id ? SP_OK : sp_fail_memory(err, n * 8 * (stride + 5));
     if (status != SP_OK)
         goto out;
-    pass(s, run->id, n * sizeof *run->id);
-    pass(s, g, n * stride * sizeof *g);
+    visit(s, run->id, n * sizeof *run->id);
+    visit(s, g, n * stride * sizeof *g);
     for (size_t i = 0; i < n && !s->short_of && status == SP_OK; i++) {
         const int32_t id = run->id[i];
         bool good = id >= 0 && id < spec->grains && !seen[id];
@@ -313,7 +311,7 @@ out:
 static sp_status read_pairs(stream *s, dynamics *d, sp_error *err) {
     int32_t count = 0;
     const int kept = dynamics_kept(d);
-    pass(s, &count, sizeof count);
+    visit(s, &count, sizeof count);
     const size_t one = 2 * sizeof(int32_t) + (size_t)kept * sizeof(double);
     if (s->short_of || count < 0 || (size_t)count > (s->size - s->at) / one)
         return damaged(err, "contacts are missing");
@@ -323,11 +321,11 @@ static sp_status read_pairs(stream *s, dynamics *d, sp_error *err) {
     bool good = true;
     for (int32_t k = 0; k < count; k++) {
         pair_force *f = &force[k];
-        pass(s, &f->i, sizeof f->i);
-        pass(s, &f->j, sizeof f->j);
+        visit(s, &f->i, sizeof f->i);
+        visit(s, &f->j, sizeof f->j);
         good = good && f->i >= 0 && f->i < d->n && f->j >= 0 && f->j < d->n && f->i != f->j;
         for (int a = 0; a < kept; a++) {
-            pass(s, &f->ft[a], sizeof f->ft[a]);
+            visit(s, &f->ft[a], sizeof f->ft[a]);
             good = good && isfinite(f->ft[a]);
         }
     }
@@ -353,14 +351,14 @@ sp_status sp_state_load(compression *run, sp_error *err) {
     if (status != SP_OK)
         return status;
     stream s = {.from = run->hooks->state, .at = sizeof h, .size = run->hooks->state_size - sizeof(uint64_t)};
-    pass_run(&s, run);
+    visit_run(&s, run);
     if (s.short_of || !sane(run))
         return damaged(err, "its numbers are impossible");
     status = read_grains(&s, run, err);
     if (status != SP_OK)
         return status;
-    pass_run(&(stream){.from = s.from, .at = sizeof h, .size = s.size}, run); /* again, as the dynamics exist now */
-    pass_walls(&s, &run->d);
+    visit_run(&(stream){.from = s.from, .at = sizeof h, .size = s.size}, run); /* again, as the dynamics exist now */
+    visit_walls(&s, &run->d);
     status = read_pairs(&s, &run->d, err);
     if (status == SP_OK && s.at != s.size)
         status = damaged(err, "there are bytes after its end");

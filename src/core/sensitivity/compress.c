@@ -5,7 +5,6 @@
 #include "base/vector.h"
 #include "elastic/equilibrium.h"
 #include "elastic/strain.h"
-#include "linalg/vector.h"
 #include "network/network_cell.h"
 #include "sensitivity/products.h"
 

@@ -1,7 +1,7 @@
 /* Gradients of frequencies. With the modes e of a group and u = M^-1/2 e, the mean of omega^2 has the derivative
  * mean of u.dK u - omega^2 u.dM u: it does not depend on which basis of the group's space the modes are. */
 #include "base/base.h"
-#include "modes/rows.h"
+#include "modes/mode_table.h"
 #include "sensitivity/gradient.h"
 
 #include <float.h>

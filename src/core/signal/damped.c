@@ -7,8 +7,8 @@
  *   y' - L y = a (beta S_(N+1) Q_N - S_N Q_(N+1)) y(0),
  * is computed, and since energy never grows, its integral bounds the error. */
 #include "base/base.h"
+#include "base/vector.h"
 #include "linalg/arrays.h"
-#include "linalg/vector.h"
 #include "numeric/random.h"
 #include "signal/job.h"
 #include "signal/recurrence.h"

@@ -9,7 +9,7 @@
  * a' is taken without its part there, which A^-1/2 does not allow for. Of that part the bound keeps the product with
  * the part of b, which is rounding. */
 #include "base/base.h"
-#include "linalg/vector.h"
+#include "base/vector.h"
 #include "modes/refine.h"
 #include "modes/slices.h"
 #include "signal/job.h"

@@ -1,7 +1,7 @@
 /* Signals as a sum over all modes, Eq. (3) of Somfai et al. 2005, with error bounds. */
 #include "base/base.h"
+#include "base/vector.h"
 #include "linalg/eigen.h"
-#include "linalg/vector.h"
 #include "modes/refine.h"
 #include "signal/job.h"
 

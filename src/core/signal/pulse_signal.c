@@ -1,6 +1,6 @@
 /* Signals of pulses of any shape: the response to a short pulse, convolved with the pulse. */
 #include "base/base.h"
-#include "linalg/vector.h"
+#include "base/vector.h"
 #include "signal/convolve.h"
 #include "signal/job.h"
 

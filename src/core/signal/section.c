@@ -1,6 +1,6 @@
 /* Record sections of packings: signals at planes one above the other. */
 #include "base/base.h"
-#include "network/largest.h"
+#include "network/bound.h"
 #include "network/network_cell.h"
 
 #include <math.h>

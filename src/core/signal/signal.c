@@ -1,6 +1,6 @@
 /* Runs a method for signals and checks its error bound. */
 #include "base/base.h"
-#include "linalg/vector.h"
+#include "base/vector.h"
 #include "modes/count.h"
 #include "signal/choose.h"
 #include "signal/job.h"

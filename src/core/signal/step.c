@@ -7,8 +7,8 @@
  * The errors are thus a shift of frequency, theta/h - omega, and of amplitude, gamma - 1. Powers of omega bound both
  * (docs/physics.md), so moments of source and detector bound the error of the signal. */
 #include "base/base.h"
+#include "base/vector.h"
 #include "linalg/arrays.h"
-#include "linalg/vector.h"
 #include "signal/job.h"
 
 #include <float.h>

@@ -2,7 +2,7 @@
 #include "base/base.h"
 #include "base/pool.h"
 #include "modes/count.h"
-#include "modes/zeros.h"
+#include "modes/refine.h"
 #include "numeric/random.h"
 #include "spectrum/moments.h"
 

@@ -1,8 +1,8 @@
 /* Solves the driven network at one frequency and bounds the error of the response. */
 #include "spectrum/driven.h"
 #include "base/base.h"
+#include "base/vector.h"
 #include "linalg/arrays.h"
-#include "linalg/vector.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,7 +1,6 @@
 /* The diffusivity of energy from the decay of a wave of its density. */
 #include "base/base.h"
 #include "network/network_cell.h"
-#include "numeric/fit.h"
 #include "numeric/random.h"
 #include "numeric/statistics.h"
 #include "transport/packet.h"

@@ -1,11 +1,10 @@
 /* Reads units, and converts between those of one dimension. */
-#include "units/unit.h"
-
 #include "base/base.h"
 #include "base/text.h"
 
 #include <ctype.h>
 #include <math.h>
+#include <sonopack/units.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,11 +12,18 @@
 
 /* ---- reading ---------------------------------------------------------------------------------------------------- */
 
-/* Each power is twice its value, as in sp_unit. */
+/* A unit as powers of its symbols. All powers are twice what they are, because of square roots. */
+typedef struct powers {
+    int length, mass, time;         /* of m, kg and s */
+    int ten;                        /* of ten: the prefixes */
+    int modulus, density, diameter; /* of E*, rho and d */
+    bool modes;                     /* counts modes: "modes d/sqrt(E* / rho)" */
+} powers;
+
 static const struct symbol {
     const char *name;
     bool prefixed; /* takes prefixes */
-    sp_unit unit;
+    powers unit;
 } symbols[] = {
     {"E*", false, {.modulus = 2}},
     {"rho", false, {.density = 2}},
@@ -46,10 +52,10 @@ typedef struct unit_reader {
     int depth;
 } unit_reader;
 
-static bool read_product(unit_reader *r, sp_unit *out);
+static bool read_product(unit_reader *r, powers *out);
 
 /* Multiplies *to with the power half/2 of a unit. False for half powers of square roots. */
-static bool multiply(sp_unit *to, const sp_unit *by, int half) {
+static bool multiply(powers *to, const powers *by, int half) {
     const int from[] = {by->length, by->mass, by->time, by->ten, by->modulus, by->density, by->diameter};
     int *const into[] = {&to->length, &to->mass, &to->time, &to->ten, &to->modulus, &to->density, &to->diameter};
     for (size_t k = 0; k < sizeof from / sizeof *from; k++) {
@@ -68,7 +74,7 @@ static const struct symbol *find_symbol(const char *name, size_t length) {
     return NULL;
 }
 
-static bool read_symbol(unit_reader *r, sp_unit *out) {
+static bool read_symbol(unit_reader *r, powers *out) {
     size_t length = 0;
     while (isalpha((unsigned char)r->at[length]) || r->at[length] == '*')
         length++;
@@ -90,23 +96,23 @@ static bool read_symbol(unit_reader *r, sp_unit *out) {
 }
 
 /* A symbol, (...) or sqrt(...). */
-static bool read_base(unit_reader *r, sp_unit *out) {
+static bool read_base(unit_reader *r, powers *out) {
     const bool root = strncmp(r->at, "sqrt(", 5) == 0;
     if (!root && *r->at != '(')
         return read_symbol(r, out);
-    sp_unit inside = {0};
+    powers inside = {0};
     r->at += root ? 5 : 1;
     if (++r->depth > DEPTH_MOST || !read_product(r, &inside) || *r->at != ')')
         return false;
     r->at++;
     r->depth--;
-    *out = (sp_unit){0};
+    *out = (powers){0};
     return multiply(out, &inside, root ? 1 : 2);
 }
 
 /* A base with a power. */
-static bool read_factor(unit_reader *r, sp_unit *product, int sign) {
-    sp_unit base;
+static bool read_factor(unit_reader *r, powers *product, int sign) {
+    powers base;
     long power = 1;
     if (!read_base(r, &base))
         return false;
@@ -123,7 +129,7 @@ static bool read_factor(unit_reader *r, sp_unit *product, int sign) {
 static void skip_blanks(unit_reader *r) { r->at += strspn(r->at, " "); }
 
 /* "a b / c": a divisor is one factor. A 1 may stand before the first division. */
-static bool read_product(unit_reader *r, sp_unit *out) {
+static bool read_product(unit_reader *r, powers *out) {
     skip_blanks(r);
     if (r->at[0] == '1' && (r->at[1] == '/' || r->at[1] == ' '))
         r->at++;
@@ -143,29 +149,30 @@ static bool read_product(unit_reader *r, sp_unit *out) {
     }
 }
 
-bool sp_unit_read(const char *text, sp_unit *out) {
+/* False if the text is no unit. */
+static bool read_unit(const char *text, powers *out) {
     unit_reader r = {.at = text};
-    *out = (sp_unit){0};
+    *out = (powers){0};
     return read_product(&r, out) && *r.at == '\0';
 }
 
 /* ---- converting ------------------------------------------------------------------------------------------------- */
 
-bool sp_unit_needs_material(const sp_unit *u) { return u->modulus != 0 || u->density != 0 || u->diameter != 0; }
+static bool needs_material(const powers *u) { return u->modulus != 0 || u->density != 0 || u->diameter != 0; }
 
 bool sp_unit_is_ours(const char *unit) {
-    sp_unit u;
-    return sp_unit_read(unit, &u) && sp_unit_needs_material(&u);
+    powers u;
+    return read_unit(unit, &u) && needs_material(&u);
 }
 
 /* E* is kg/(m s^2), rho kg/m^3, d m. */
-static void dimension_of(const sp_unit *u, int out[3]) {
+static void dimension_of(const powers *u, int out[3]) {
     out[0] = u->length - u->modulus - 3 * u->density + u->diameter;
     out[1] = u->mass + u->modulus + u->density;
     out[2] = u->time - 2 * u->modulus;
 }
 
-bool sp_unit_same_dimension(const sp_unit *a, const sp_unit *b) {
+static bool same_dimension(const powers *a, const powers *b) {
     int x[3], y[3];
     dimension_of(a, x);
     dimension_of(b, y);
@@ -186,9 +193,10 @@ static void times_power(fraction *f, double x, int half) {
         *(half > 0 ? &f->root_above : &f->root_below) *= x;
 }
 
-double sp_unit_convert(double value, const sp_unit *a, const sp_unit *b, const sp_material *m) {
+/* A value in the unit a in the unit b, of the same dimension. */
+static double convert(double value, const powers *a, const powers *b, const sp_material *m) {
     fraction f = {value, 1, 1, 1};
-    if (sp_unit_needs_material(a) || sp_unit_needs_material(b)) {
+    if (needs_material(a) || needs_material(b)) {
         times_power(&f, sp_material_modulus(m), a->modulus - b->modulus);
         times_power(&f, m->density, a->density - b->density);
         times_power(&f, m->diameter, a->diameter - b->diameter);
@@ -197,30 +205,30 @@ double sp_unit_convert(double value, const sp_unit *a, const sp_unit *b, const s
     return f.above / f.below * sqrt(f.root_above / f.root_below);
 }
 
-/* The units of tables in SI, one for each dimension. */
+/* The units of tables in SI, one for each dimension that they have. */
 static const char *const si_units[] = {
     "mm",      "us",      "m/s",        "rad/s",           "N",           "kPa",
     "mg",      "1/mm",    "m/s^2",      "rad^2/s^2",       "N/m",         "N us",
     "mg mm^2", "mg/mm^2", "1/sqrt(mg)", "1/(sqrt(mg) mm)", "mm sqrt(mg)", "N/(m sqrt(mg))",
     "N s/m",   "m^2/s"};
 
-const char *sp_unit_si(const sp_unit *u) {
-    sp_unit si;
+static const char *si_of(const powers *u) {
+    powers si;
     for (size_t k = 0; k < sizeof si_units / sizeof *si_units; k++)
-        if (sp_unit_read(si_units[k], &si) && sp_unit_same_dimension(u, &si))
+        if (read_unit(si_units[k], &si) && same_dimension(u, &si))
             return si_units[k];
     return NULL;
 }
 
 sp_status sp_unit_to_si(const char *unit, const sp_material *m, double *factor, char si[SP_UNIT_TEXT], sp_error *err) {
-    sp_unit ours, theirs;
-    const char *name = sp_unit_read(unit, &ours) && sp_unit_needs_material(&ours) ? sp_unit_si(&ours) : NULL;
-    if (!name || !sp_unit_read(name, &theirs))
+    powers ours, theirs;
+    const char *name = read_unit(unit, &ours) && needs_material(&ours) ? si_of(&ours) : NULL;
+    if (!name || !read_unit(name, &theirs))
         return sp_fail(err, SP_EINVAL, "unit %.60s: must be one of E*, rho and d", unit);
     sp_status status = sp_material_check(m, err);
     if (status != SP_OK)
         return status;
-    *factor = sp_unit_convert(1, &ours, &theirs, m);
+    *factor = convert(1, &ours, &theirs, m);
     snprintf(si, SP_UNIT_TEXT, "%s%s", ours.modes ? "modes " : "", name);
     return SP_OK;
 }
@@ -228,14 +236,14 @@ sp_status sp_unit_to_si(const char *unit, const sp_material *m, double *factor, 
 /* ---- quantities ------------------------------------------------------------------------------------------------- */
 
 /* What a number with this unit may look like. */
-static const char *example_of(const sp_unit *u) {
+static const char *example_of(const powers *u) {
     static const struct {
         const char *unit, *text;
     } examples[] = {{"E*", "\"100 kPa\""},           {"d", "\"20 mm\""},         {"d/sqrt(E* / rho)", "\"50 us\""},
                     {"E* / (rho d)", "\"1 m/s^2\""}, {"rho d", "\"30 kg/m^2\""}, {"sqrt(E* / rho)/d", "\"1e5 rad/s\""}};
-    sp_unit unit;
+    powers unit;
     for (size_t k = 0; k < sizeof examples / sizeof *examples; k++)
-        if (sp_unit_read(examples[k].unit, &unit) && sp_unit_same_dimension(u, &unit))
+        if (read_unit(examples[k].unit, &unit) && same_dimension(u, &unit))
             return examples[k].text;
     return "a number";
 }
@@ -251,25 +259,25 @@ static const char *misspelt(const char *unit) {
 
 sp_status sp_quantity_read(const char *text, const char *unit, const sp_material *m, double *out, sp_error *err) {
     const sp_material none = {1, 0, 1, 1}; /* cancels */
-    sp_unit ours, given;
+    powers ours, given;
     char number[64];
     double value;
     const size_t length = strspn(text, "0123456789+-.eE");
     const char *rest = text + length + strspn(text + length, " ");
-    if (!sp_unit_read(unit, &ours))
+    if (!read_unit(unit, &ours))
         return sp_fail(err, SP_EINVAL, "\"%.40s\": must be a number without quotes%s%s", text, *unit ? ", in " : "",
                        unit);
     const char *example = example_of(&ours);
     snprintf(number, sizeof number, "%.*s", (int)(length < 63 ? length : 63), text);
     if (length > 63 || !sp_word_number(number, &value) || !isfinite(value))
         return sp_fail(err, SP_EINVAL, "\"%.40s\": must be a number with a unit, as in %s", text, example);
-    if (!sp_unit_read(rest, &given)) {
+    if (!read_unit(rest, &given)) {
         const char *meant = misspelt(rest);
         return sp_fail(err, SP_EINVAL, "\"%.40s\": unknown unit %.20s%s%s%s: must be as in %s", text,
                        *rest ? rest : "\"\"", meant ? " (did you mean " : "", meant ? meant : "", meant ? "?)" : "",
                        example);
     }
-    if (!sp_unit_same_dimension(&given, &ours))
+    if (!same_dimension(&given, &ours))
         return sp_fail(err, SP_EINVAL, "\"%.40s\": has the wrong dimension: must be as in %s", text, example);
     if (!m || !(m->young > 0)) {
         if (given.modulus != ours.modulus || given.density != ours.density || given.diameter != ours.diameter)
@@ -279,7 +287,7 @@ sp_status sp_quantity_read(const char *text, const char *unit, const sp_material
                            text);
         m = &none;
     }
-    value = sp_unit_convert(value, &given, &ours, m);
+    value = convert(value, &given, &ours, m);
     if (!isfinite(value))
         return sp_fail(err, SP_EINVAL, "\"%.40s\": is too large: must be as in %s", text, example);
     *out = value;

@@ -1,5 +1,8 @@
 """sonopack plot: options, files, statuses."""
+import os
 import re
+import signal
+import subprocess
 
 import numpy as np
 import pytest
@@ -65,3 +68,16 @@ def test_a_store_is_drawn(sonopack, folder):
     sonopack("study", "scene.cfg", "--store", "st", "-q")
     sonopack("plot", "ctof", "--store", "st", "-o", "x.svg")
     assert any("tof" in word for word in words_of(folder / "x.svg"))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_ends_the_command_without_traces(folder, number):
+    """At the start, and once the draft of the figure is there."""
+    for early in (True, False):
+        work = subprocess.Popen([os.environ["SONOPACK"], "plot", "signal", "s.tsv", "-o", "x.pdf", "--force"], cwd=folder,
+                                stderr=subprocess.PIPE, text=True)
+        while not early and work.poll() is None and not list(folder.glob(".x.pdf*")):
+            pass
+        work.send_signal(number)
+        assert work.communicate()[1] == "" and work.returncode in (-number, 0)
+        assert not list(folder.glob(".x*"))

@@ -9,13 +9,12 @@ import numpy as np
 
 from ..._core import Floats, Refused, Status
 from ..._modes import Modes
-from ..._native import lib
 from ..._network import Network
 from ..._packing import Packing
 from ..._signal import Signal, front
 from ..._study import Sample
 from ..._table import Table
-from ...plot._inputs import contact_histogram
+from ...plot._histograms import ContactCounts, contact_counts
 from ..sheet import Curve, Panel, Sheet
 from .fronts import TIME_AXIS, front_of, rms_after
 from .samples import SomfaiWork
@@ -24,11 +23,10 @@ THRESHOLD = 1e-4  # least force of a contact that carries load [p d^2]
 TIME = 80.0       # of the snapshot in the paper
 
 
-def _histogram(work: SomfaiWork, make: Any, margin: float) -> tuple[Table, str]:
-    """A histogram of the contacts of all packings at p = 1e-4, and how many there are."""
-    packings = [(sample.name, packing) for sample, packing, _ in work.walk("square", 1e-4)]
-    table = contact_histogram(make, packings, THRESHOLD, margin)
-    return table, f"{table.number('contacts'):.0f} contacts of {len(packings)} packings"
+def _counted(work: SomfaiWork, margin: float) -> tuple[ContactCounts, str]:
+    """The contacts of all packings at p = 1e-4, and how many there are."""
+    counts = contact_counts(((sample.name, packing) for sample, packing, _ in work.walk("square", 1e-4)), THRESHOLD, margin)
+    return counts, f"{counts.contacts:.0f} contacts of {counts.packings} packings"
 
 
 # ---- Fig. 1 ---------------------------------------------------------------------------------------------------------
@@ -39,7 +37,8 @@ def make_networks(work: SomfaiWork, item: str) -> None:
               packing)
     work.draw(item, "fig1b", "(b) Normal stiffnesses of the same contacts.", "stiffness", packing)
     work.save_table("fig1ab", _links(packing, network))
-    table, many = _histogram(work, lib.sp_contact_values_table, 0.0)
+    counts, many = _counted(work, 0.0)
+    table = counts.values()
     work.draw(item, "fig1c", "(c) Histograms of the normal forces and stiffnesses of all contacts that carry, over "
                              "their means; equal areas.", "forces", table)
     work.save_table("fig1c", table)
@@ -70,7 +69,8 @@ def _spread(table: Table, name: str) -> float:
 # ---- Fig. 2 ---------------------------------------------------------------------------------------------------------
 
 def make_directions(work: SomfaiWork, item: str) -> None:
-    table, many = _histogram(work, lib.sp_contact_angles_table, 3.0)
+    counts, many = _counted(work, 3.0)
+    table = counts.angles()
     work.draw(item, "fig2", "Directions of contacts that carry, at least three diameters from both walls: all, those "
                             "with forces above the mean (strong), and the others (weak).", "angles", table)
     work.say(item, f"{many}. The mean of 2 n_y^2 - 1, 0 without "
