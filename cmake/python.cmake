@@ -11,7 +11,8 @@ file(GLOB_RECURSE python_headers CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/include
 file(GLOB_RECURSE python_files RELATIVE ${python_source}/sonopack CONFIGURE_DEPENDS ${python_source}/sonopack/*)
 list(FILTER python_files EXCLUDE REGEX "__pycache__")
 set(native ${PROJECT_BINARY_DIR}/python-source)
-add_custom_command(OUTPUT ${native}/_native.c ${native}/_records.py ${native}/_reference.py
+add_custom_command(OUTPUT ${native}/_native.c ${native}/_records.py ${native}/_fields.py
+    ${native}/_reference.py
   COMMAND ${Python3_EXECUTABLE} -B ${python_source}/generate.py ${PROJECT_SOURCE_DIR}/include ${python_source}/native.h
     ${native}
   # cffi leaves an unchanged file as it is
@@ -34,7 +35,7 @@ endif()
 
 # Links, so that a change of a module needs no build.
 set(commands "")
-foreach(file _records.py _reference.py)
+foreach(file _records.py _fields.py _reference.py)
   list(APPEND commands COMMAND ${CMAKE_COMMAND} -E create_symlink ${native}/${file} ${package}/${file})
 endforeach()
 foreach(file ${python_files})
@@ -47,7 +48,7 @@ add_custom_command(OUTPUT ${native}/linked ${commands} COMMAND ${CMAKE_COMMAND} 
 add_custom_target(sonopack_python_modules ALL DEPENDS ${native}/linked)
 
 # The commands that the package runs: beside the command in the build folder, in libexec of an installation.
-set(SONOPACK_PROGRAMS plot view convert reproduce pack-lammps)
+set(SONOPACK_PROGRAMS plot view convert reproduce bench pack-lammps save-table)
 set(libexec ${CMAKE_INSTALL_LIBEXECDIR}/sonopack)
 foreach(program ${SONOPACK_PROGRAMS})
   set(program_to_package python)
@@ -59,8 +60,9 @@ foreach(program ${SONOPACK_PROGRAMS})
 endforeach()
 
 install(TARGETS sonopack_python LIBRARY DESTINATION ${SONOPACK_PYTHON_DIR}/sonopack)
-install(FILES ${native}/_records.py ${native}/_reference.py DESTINATION ${SONOPACK_PYTHON_DIR}/sonopack)
+install(FILES ${native}/_records.py ${native}/_fields.py ${native}/_reference.py
+  DESTINATION ${SONOPACK_PYTHON_DIR}/sonopack)
 install(DIRECTORY ${python_source}/sonopack DESTINATION ${SONOPACK_PYTHON_DIR} PATTERN __pycache__ EXCLUDE)
 # of the Debian package (cmake/package.cmake)
 string(CONCAT CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-cffi-backend, python3-numpy, python3-matplotlib, "
-  "python3-scipy, python3-pandas, python3-h5py, python3-meshio")
+  "python3-scipy, python3-pandas, python3-h5py")

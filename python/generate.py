@@ -4,6 +4,7 @@ usage: generate.py INCLUDE_DIR NATIVE_HEADER OUTPUT_DIR
 
 _native.c      source of the extension module, written by cffi from the declarations of the headers
 _records.py    a frozen dataclass for each struct that holds numbers and words only
+_fields.py     a class for each struct that an object of Python owns, with its numbers and arrays
 _reference.py  the comments of the headers, from which docstrings are made
 
 Nothing is copied by hand: a change of a header changes all three, and the C compiler compares each struct with the
@@ -21,7 +22,6 @@ import cffi
 CALLBACKS = """
 extern "Python" {
     bool sonopack_pack_watch(const sp_pack_progress *progress, void *user);
-    sp_status sonopack_pack_stage(const sp_packing *packing, int32_t index, void *user, sp_error *err);
     bool sonopack_study_watch(const sp_study_progress *progress, void *user);
     bool sonopack_forecast_packed(void *user, const char *name);
     bool sonopack_tapped_watch(double share, void *user);
@@ -34,6 +34,12 @@ char *strdup(const char *text);
 """
 # Structs of this kind are inputs of the library and no results.
 INPUTS = re.compile(r"_(options|spec|range|place|hooks|pulse|probe|watcher|made|counts|entry|column|sweep|error|chain|value|errors|store_check|finding)$")
+
+# Structs that objects own, and what of them is no member: parts that the object gives in another way.
+OWNED = {"sp_packing": "n_contacts mass inertia box tilt", "sp_modes": "dofs vectors factors solves", "sp_damped_modes": "",
+         "sp_network": "n_all rattlers n_springs box prestress omega_bound carried skew soft tilt", "sp_signal": "",
+         "sp_dos": "", "sp_transmission": "", "sp_dispersion": "", "sp_harmonic": "refused reason", "sp_continuum": "",
+         "sp_coherent_section": "", "sp_uncertainty": "n quantity", "sp_design": "packing", "sp_coda": ""}
 
 
 def headers(include):
@@ -138,20 +144,20 @@ def spoken(text, names):
 
 def python_names(package):
     """{name in C: name in Python} of classes and of what has the comment of a C function."""
-    names = {}
+    names, structs = {}, {python_name(name): name for name in OWNED}
     for path in package.glob("_*.py"):
         owner, documented = "", None
         for line in path.read_text().splitlines():
-            found = re.match(r"(?:class (\w+)|( *)def (\w+)|\s+_type = \"(\w+)\"| *@documented\(\"(\w+)\"\))", line)
-            if found and found[1]:
-                owner = found[1]
-            elif found and found[3] and documented:
-                names.setdefault(documented, f"{owner}.{found[3]}()" if found[2] else f"{found[3]}()")
+            kind = re.match(r"class (\w+)(?:.*_fields\.(\w+))?", line)
+            function, comment = re.match(r"( *)def (\w+)", line), re.match(r" *@documented\(\"(\w+)\"\)", line)
+            if kind:
+                owner = kind[1]
+                names.update({structs[kind[2]]: owner} if kind[2] else {})
+            elif function and documented:
+                names.setdefault(documented, f"{owner}.{function[2]}()" if function[1] else f"{function[2]}()")
                 documented = None
-            elif found and found[4] and found[4] != "sp_scene":
-                names[found[4]] = owner
-            elif found and found[5]:
-                documented = found[5]
+            elif comment:
+                documented = comment[1]
     return names
 
 
@@ -176,14 +182,12 @@ def comments_of(text, reference):
         comments = re.findall(r"/\*.*?\*/", before, re.S)
         if comments:
             above = "" if re.search(r"\n\s*\n\s*$", before) else plain(comments[-1])
-        elif "\n\n" in code[:len(code) - len(code.lstrip())]:
+        elif "\n\n" in code[:len(code) - len(code.lstrip())] or "typedef" in code:
             above = ""
         own, fields = plain(after.strip()) if after else above, field_comments(code)
         name = name_of(code)
         if name and not name.endswith("_free") and (own or fields):
             reference[name] = (own, fields)
-        if "{" in code:  # of a struct; the functions below it have comments of their own
-            above = ""
 
 
 # ---- quantities -----------------------------------------------------------------------------------------------------
@@ -250,6 +254,26 @@ def records_of(ffi, names, reference):
             f"\n\nRECORDS: dict[str, type] = {{\n{table}}}\n")
 
 
+def fields_of(ffi, reference):
+    """Source of _fields.py: numbers, words and records as they are, arrays with the shape at the beginning of their
+    comment: [n][3]."""
+    records = {name for name in ffi.list_types()[0] if name.startswith("sp_")}
+    blocks = []
+    for name, hidden in OWNED.items():
+        lines = [f'    _type = "{name}"']
+        for field, member in ffi.typeof(name).fields:
+            if field in hidden.split():
+                continue
+            kind = python_type(ffi, member.type, records)
+            shape = re.findall(r"\[([^\]]+)\]", re.match(r"(\[[^\]]+\])*", reference[name][1].get(field, "")).group())
+            sizes = "".join(re.sub(r"\b([a-z]\w*)", r"c.\1", size) + ", " for size in shape)
+            lines.append(f"    {field} = " + (f"Value[{kind.replace('.', '')}]()" if kind else f"Array(lambda c: ({sizes}))"))
+        blocks.append(f"class {python_name(name)}(Result):\n" + "\n".join(lines) + "\n")
+    used = sorted(set(re.findall(r"Value\[([A-Z]\w*)\]", "".join(blocks))))
+    return ('"""What objects own of the library. Generated from its headers."""\nfrom ._core import Array, Result, Value\n'
+            f"from ._records import {', '.join(used)}\n\n\n" + "\n\n".join(blocks))
+
+
 def main():
     include, native, output = map(pathlib.Path, sys.argv[1:4])
     reference, code = {}, []
@@ -273,6 +297,7 @@ def main():
     output.mkdir(parents=True, exist_ok=True)
     ffi.emit_c_code(str(output / "_native.c"))
     (output / "_records.py").write_text(records_of(ffi, names, reference))
+    (output / "_fields.py").write_text(fields_of(ffi, reference))
     (output / "_reference.py").write_text(
         '"""Comments of the C headers: {name: (comment, {field: comment})}, and {struct: {field: unit}}. Generated."""\n'
         f"COMMENTS: dict[str, tuple[str, dict[str, str]]] = {{\n"

@@ -34,6 +34,12 @@ static size_t test_count __attribute__((unused));
     }
 #define RUN_TESTS(setup, teardown) RUN_TESTS_WHERE(true, setup, teardown)
 
+/* A variable that is freed where its block ends: FREED(sp_packing) p = ...; */
+#define FREED(type) __attribute__((cleanup(type##_free))) type
+/* The same of memory: RELEASED double *x = malloc(...); */
+#define RELEASED __attribute__((cleanup(test_release)))
+static inline void test_release(void *pointer) { free(*(void **)pointer); }
+
 /* ---- asserts ----------------------------------------------------------------------------------------------------- */
 
 #define assert_close(value, expected, tolerance)                                                                       \

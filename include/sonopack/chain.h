@@ -38,10 +38,6 @@ SP_API sp_status sp_chain_walls_signal(const sp_chain *chain, int64_t n, const d
 /* Upper bound of the error of F at time t: 1e-15 (1 + (t + t^2/(N + 1))^(1/4)) for equal springs, where it grows with
  * the number of echoes, and 1e-15 (1 + t) for others, where the rounding of K_wall/K shifts the frequencies. */
 SP_API double sp_chain_signal_error(const sp_chain *chain, double t);
-/* The same by the sum over modes (C4): grains x n terms. Absolute error below 1e-15 (1 + t). */
-SP_API sp_status sp_chain_modal(int64_t grains, sp_chain_source source, int64_t n, const double *t, double *f,
-                                sp_error *err);
-
 /* The front of an infinitely long chain: Eq. (16), multiplied by 2 to be the limit of sp_chain_signal for A, and its
  * derivative for B,
  *     F_A -> -8 t^(-2/3) Ai'(w),  F_B -> 16 t^(-1) Ai''(w) = 16 t^(-1) w Ai(w),  w = 2 (N - t)/t^(1/3).

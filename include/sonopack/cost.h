@@ -70,7 +70,7 @@ SP_API sp_cost sp_cost_modes(const sp_network_size *net, const sp_modes_options 
 
 /* Other results of a network; count: frequencies of harmonic driving, bins of a density, modes compared with a strip,
  * else 1. */
-typedef enum sp_result {
+typedef enum sp_network_result {
     SP_RESULT_NETWORK = 0, /* reading a packing and making its network */
     SP_RESULT_STATICS,
     SP_RESULT_MODULI,
@@ -82,8 +82,9 @@ typedef enum sp_result {
     SP_RESULT_CONTINUUM,
     SP_RESULT_SAMPLE, /* saving a sample in a store */
     SP_RESULTS
-} sp_result;
-SP_API sp_cost sp_cost_result(sp_result what, const sp_network_size *net, double count, const sp_machine *machine);
+} sp_network_result;
+SP_API sp_cost sp_cost_result(sp_network_result what, const sp_network_size *net, double count,
+                              const sp_machine *machine);
 
 /* ---- files ------------------------------------------------------------------------------------------------------ */
 

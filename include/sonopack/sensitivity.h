@@ -141,11 +141,6 @@ SP_API sp_status sp_sensitivity_times(const sp_network *net, const sp_sensitivit
 SP_API sp_status sp_sensitivity_modes(const sp_network *net, const sp_modes *modes, int64_t first, int64_t count,
                                       unsigned parameters, const sp_packing *packing, sp_gradient *out, sp_error *err);
 
-/* The matrix of the group for one spring: kn [count][count] = d(e_m . A e_n)/dk_n, kt the same for k_t. Its eigenvalues
- * are the derivatives of the split omega^2. Either may be NULL. */
-SP_API sp_status sp_sensitivity_split(const sp_network *net, const sp_modes *modes, int64_t first, int64_t count,
-                                      int32_t spring, double *kn, double *kt, sp_error *err);
-
 /* ---- moduli -------------------------------------------------------------------------------------------------------
  */
 

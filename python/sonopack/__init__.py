@@ -14,11 +14,12 @@ Column is the tapped column. Lengths are in mean grain diameters d, pressures in
 Numbers are those of the command `sonopack`, bit for bit. Arrays are views of the library's memory: they are not copied,
 cannot be written to, and keep it alive. Long calls run without the interpreter's lock. Failures raise SonopackError.
 """
-from ._amplitude import solitary
+from ._chain import solitary
 from ._column import Column, ColumnRun
 from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, text_of as _text_of
 from ._inference import CODA_CANDIDATE, DESIGN_STEP, Coda, Design, Uncertain, Uncertainty, design, uncertainty
-from ._modes import DampedModes, Modes
+from ._modes import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, Continuum, DampedModes, DensityOfStates, Dispersion,
+                     Harmonic, Modes, Transmission, WaveSection)
 from ._native import lib as _lib
 from ._network import ENERGY, FLUX, SPRING, Network
 from ._packing import BACK, BOTTOM, CONTACT, FRONT, LEFT, RIGHT, TOP, Packing
@@ -30,8 +31,6 @@ from ._records import (AmplitudeEnergy, AmplitudeFront, AmplitudeHarmonics, Ampl
 from ._scene import Scene, scene_help
 from ._sensitivity import Gradient
 from ._signal import Pulse, Signal, front, signal_window
-from ._spectra import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, Continuum, DensityOfStates, Dispersion, Harmonic,
-                       Transmission, WaveSection)
 from ._study import Sample, Store, study
 from ._table import Table, quantity
 

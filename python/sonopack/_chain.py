@@ -1,4 +1,5 @@
-"""The chain of equal balls between two walls in closed form. Units: length of a ball l, time l/c, force K l."""
+"""The chain of equal balls between two walls in closed form (units: length of a ball l, time l/c, force K l), and the
+solitary waves of chains."""
 from __future__ import annotations
 
 import numpy as np
@@ -7,7 +8,7 @@ import numpy.typing as npt
 from . import _core
 from ._core import Floats, call, documented
 from ._native import ffi, lib
-from ._records import Front
+from ._records import Front, Solitary
 
 
 def _source(word: str) -> int:
@@ -43,3 +44,12 @@ def chain_signal(balls: int, times: npt.ArrayLike, source: str = "velocity", wal
 def chain_airy(balls: int, times: npt.ArrayLike, source: str = "velocity") -> Floats:
     """The front of an infinitely long chain, Eq. (16) of Somfai et al. (2005)."""
     return _signal(times, lib.sp_chain_airy, balls, _source(source))
+
+
+@documented("sp_solitary_make")
+def solitary(peak: float) -> Solitary:
+    """The solitary wave of a chain of Hertzian balls whose largest additional overlap is `peak` overlaps at rest;
+    math.inf: a chain that bears no force at rest."""
+    out = ffi.new("sp_solitary *")
+    call(lib.sp_solitary_make, float(peak), out)
+    return _core.record(Solitary, out)

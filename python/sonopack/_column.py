@@ -30,6 +30,7 @@ class ColumnRun:
     events: contacts that closed or opened
     steps: time steps
     error: largest relative error of a step
+    time_step: length of the steps [s]
     """
 
     t: Floats

@@ -1,7 +1,7 @@
 """What the commands in Python share: options, scenes, units, messages, files that appear whole, exit statuses.
 
-`sonopack plot`, `view`, `convert` and `reproduce` execute `sonopack-NAME`, which calls start(NAME). Each is a package with a
-module `command` that has parser(), which returns a Parser, and run(arguments), which does the work.
+`sonopack plot`, `view`, `convert`, `reproduce` and `bench` execute `sonopack-NAME`, which calls start(NAME). Each has a module
+with parser(), which returns a Parser, and run(arguments), which does the work.
 """
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ DONE, FAILED, USAGE = 0, 1, 2
 
 #: the module of each command
 MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command",
-           "pack-lammps": "formats.engine"}
+           "pack-lammps": "formats.engine", "bench": "bench", "save-table": "formats.tables"}
 
 #: which Debian package brings a module
-DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",
-          "meshio": "python3-meshio"}
+DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py"}
+
 
 
 class Failed(SonopackError):
@@ -129,6 +129,7 @@ class _Words(argparse.Action):
 
 def option(read: Callable[[str], Any]) -> Callable[[str], Any]:
     """The type of an option whose text a function of the library reads, so that its reason is told."""
+
     def convert(text: str) -> Any:
         try:
             return read(text)
@@ -139,6 +140,7 @@ def option(read: Callable[[str], Any]) -> Callable[[str], Any]:
 
 def whole(low: int, high: int) -> Callable[[str], int]:
     """The type of an option that takes an integer between two."""
+
     def read(text: str) -> int:
         if not re.fullmatch(r"[+-]?\d+", text) or not low <= int(text) <= high:
             raise argparse.ArgumentTypeError(f"{text:.60}: must be an integer {low} .. {high}")
@@ -148,6 +150,7 @@ def whole(low: int, high: int) -> Callable[[str], int]:
 
 def number(low: float, high: float) -> Callable[[str], float]:
     """The type of an option that takes a finite number between two."""
+
     def read(text: str) -> float:
         if not re.fullmatch(r"[0-9+\-.eE]+", text):
             raise argparse.ArgumentTypeError(f"{text:.60}: must be a number {low:g} .. {high:g}")
@@ -256,7 +259,8 @@ def _tame(text: str) -> str:
 # ---- files ----------------------------------------------------------------------------------------------------------
 
 _MAGIC = {b"\211HDF\r\n\032\n": "hdf5", b"\211PNG\r\n\032\n": "png", b"%PDF-": "pdf", b"MATLAB 5": "mat", b"\x1f\x8b": "gz"}
-_KINDS = {".h5": "hdf5", ".hdf5": "hdf5", ".png": "png", ".pdf": "pdf", ".mat": "mat", ".gz": "gz", ".json": "json",
+_KINDS = {".h5": "hdf5", ".hdf5": "hdf5", ".png": "png", ".pdf": "pdf", ".mat": "mat", ".sac": "sac", ".gz": "gz",
+          ".json": "json",
           ".txt": "packing", **dict.fromkeys((".svg", ".html", ".htm", ".vtp", ".pvd", ".vtm"), "markup")}
 
 
@@ -266,7 +270,7 @@ def _kind_of(head: bytes) -> str:
         if head.startswith(magic):
             return kind
     if b"\0" in head:
-        return "unknown"
+        return "sac" if head[304:308] in (b"\6\0\0\0", b"\0\0\0\6") else "unknown"
     if re.match(rb"(\s*#[^\n]*\n)*\s*(# packing(?! =)|N +\d+ +Lx )", head):
         return "packing"
     first = head.lstrip()[:1]

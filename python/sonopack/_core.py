@@ -296,6 +296,7 @@ class Owner:
     """A Python object that owns a struct of the library, `_c`."""
 
     _type = ""
+    _missing = "not computed"  # why an array is not there
     _c: Any
 
     def __init_subclass__(cls) -> None:
@@ -334,7 +335,7 @@ class Result(Owner):
 
     def _members(self) -> dict[str, Any]:
         """The fields that have been computed."""
-        names = [name for name, field in vars(type(self)).items() if isinstance(field, _Field)]
+        names = [name for kind in type(self).__mro__ for name, field in vars(kind).items() if isinstance(field, _Field)]
         return {name: getattr(self, name) for name in names if hasattr(self, name)}
 
     def _known_material(self) -> Any:
@@ -363,6 +364,14 @@ class Result(Owner):
         return f"<{type(self).__name__}: {', '.join(shown)}>"
 
 
+class NetworkResult(Result):
+    """A result that a network and options make."""
+
+    def __init__(self, network: Any, *given: Any) -> None:
+        self.network = network
+        self._make(network._c, *given)
+
+
 class _Field:
     """A field of the owner's struct. A name that the header does not have is an error at import."""
 
@@ -377,11 +386,10 @@ class _Field:
 
 
 class Array(_Field):
-    """An array of the owner's struct, without a copy. Its shape: numbers, names of fields, or functions of the struct."""
+    """An array of the owner's struct, without a copy. shape: a function of the struct."""
 
-    def __init__(self, *shape: int | str | Callable[[Any], int], missing: str = "") -> None:
+    def __init__(self, shape: Callable[[Any], tuple[int, ...]]) -> None:
         self.shape = shape
-        self.missing = missing
 
     @overload
     def __get__(self, owner: None, cls: type) -> "Array": ...
@@ -391,13 +399,10 @@ class Array(_Field):
     def __get__(self, owner: Owner | None, cls: type) -> "npt.NDArray[Any] | Array":
         if owner is None:
             return self
-        struct = owner._c
-        shape = tuple(n if isinstance(n, int) else getattr(struct, n) if isinstance(n, str) else n(struct)
-                      for n in self.shape)
-        pointer = getattr(struct, self.c_name)
+        shape, pointer = self.shape(owner._c), getattr(owner._c, self.c_name)
         if pointer == ffi.NULL and 0 not in shape:
-            raise AttributeError(f"{self.name}: {self.missing or 'not computed'}")
-        return view(struct, pointer, shape)
+            raise AttributeError(f"{self.name}: {owner._missing}")
+        return view(owner._c, pointer, shape)
 
 
 class Value(_Field, Generic[_T]):

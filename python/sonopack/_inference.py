@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _place
-from ._core import Array, Floats, Value, call, documented
+from . import _core, _fields, _place
+from ._core import Floats, call, documented
 from ._native import ffi, lib
 from ._packing import Packing
 from ._place import Where
@@ -48,17 +48,8 @@ class Uncertain:
         return f"<{self.name} = {self.value:.6g}: sd {self.sd:.2g}, bias {self.bias:.2g}, linear: {self.linear}>"
 
 
-class Uncertainty(_core.Result, Mapping[str, Uncertain]):
+class Uncertainty(_fields.Uncertainty, Mapping[str, Uncertain]):
     """Errors of the sound of a measured packing, by the names of the quantities. Made by uncertainty()."""
-
-    _type = "sp_uncertainty"
-    samples = Value[int]()
-    loose = Value[int]()
-    candidates = Value[int]()
-    overlap = Value[float]()
-    contacts = Value[float]()
-    contacts_error = Value[float]()
-    why = Value[str]()
 
     def __init__(self, packing: Packing, options: Any) -> None:
         self._make(packing._c, options)
@@ -93,18 +84,9 @@ def uncertainty(packing: Packing, *, measured: str = "forces", position: float =
     return Uncertainty(packing, options)
 
 
-class Design(_core.Result):
+class Design(_fields.Design):
     """Which grains to change, and the packing made of them. Made by design()."""
 
-    _type = "sp_design"
-    n = Value[int]()
-    factor = Array("n")
-    steps = Value[int]()
-    step = Array("steps")
-    linear_predicted = Value[float]()
-    linear = Value[float]()
-    linear_error = Value[float]()
-    effective = Value[float]()
     #: the packing made of these grains
     packing: Packing
 
@@ -138,19 +120,11 @@ def design(packing: Packing, goal: str, *, vary: str = "mass", limits: tuple[flo
     return Design(packing, options)
 
 
-class Coda(_core.Result):
+class Coda(_fields.Coda):
     """Kernels of all grains: the derivatives of signals by the logarithm of the stiffness of a grain's contacts.
 
     t: times of the window. sources, detectors: places, as in network.signal(). grain: indices in the packing.
     """
-
-    _type = "sp_coda"
-    n = Value[int]()
-    pairs = Value[int]()
-    times = Value[int]()
-    grain = Array("n")
-    kernel = Array("pairs", "n", "times")
-    square = Array("n")
 
     def __init__(self, network: Network, t: npt.ArrayLike, *, sources: Where | Iterable[Where] | None = None,
                  detectors: Where | Iterable[Where] | None = None, source: str = "impulse", threads: int = 1) -> None:

@@ -1,47 +1,34 @@
-"""Frequencies and eigenmodes."""
+"""What follows from a network: modes, density of states, transmission, dispersion, driving, the continuum, coherent
+waves."""
 from __future__ import annotations
 
 import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
-from . import _core
-from ._core import Array, Floats, Path, Value, c_path, call, documented
+from . import _core, _fields
+from ._core import Floats, Path, c_path, call, documented
 from ._native import ffi, lib
-from ._records import ParticipationBin, Stability, ZeroModes
+from ._records import CoherentWave, ParticipationBin
 
 if TYPE_CHECKING:
     from ._network import Network
 
-__all__ = ["DampedModes", "Modes", "Stability"]
+#: dtypes of Dispersion.wave, Harmonic.fit and Continuum.row
+DISPERSION_POINT = _core.dtype_of("sp_dispersion_point")
+WAVE_FIT = _core.dtype_of("sp_wave_fit")
+CONTINUUM_ROW = _core.dtype_of("sp_continuum_row")
 
-_NO_VECTORS = "frequencies only: ask for modes(vectors=True)"
 
-
-class Modes(_core.Result):
+class Modes(_fields.Modes):
     """Modes of a network, sorted by omega; rattlers' zero modes come first. Made by network.modes().
 
     `vectors` [modes that are no rattlers'][n][dof] are weighted with the masses: displacement times sqrt(mass).
     """
 
-    _type = "sp_modes"
-    n = Value[int]()
-    n_rattler = Value[int]()
-    n_zero = Value[int]()
-    zero = Value[ZeroModes]()
-    omega = Array("n")
-    error = Array("n")
-    a = Array("n", missing=_NO_VECTORS)
-    b = Array("n", missing=_NO_VECTORS)
-    participation = Array("n", missing=_NO_VECTORS)
-    residual = Value[float]()
-    orthogonality = Value[float]()
-    first = Value[int]()
-    solver = Value[str]()
-    certified_from = Value[float]()
-    certified_to = Value[float]()
-    on_edge = Value[int]()
+    _missing = "frequencies only: ask for modes(vectors=True)"
 
     def __init__(self, network: Network, span: Any, *, vectors: bool, source: str, solver: str, threads: int) -> None:
         options = _core.options_of(
@@ -59,7 +46,7 @@ class Modes(_core.Result):
     def vectors(self) -> Floats:
         """Eigenvectors [n - n_rattler][grains of the network][dof], weighted with the masses; a view."""
         if self._c.vectors == ffi.NULL:
-            raise AttributeError(f"vectors: {_NO_VECTORS}")
+            raise AttributeError(f"vectors: {self._missing}")
         return _core.view(self._c, self._c.vectors, (self.n - self.n_rattler, self.network.n, self.network.dof))
 
     def displacement(self, row: int) -> Floats:
@@ -101,17 +88,8 @@ class Modes(_core.Result):
         return f"<Modes: {self.n}, {self.n_zero} of them zero modes, omega {self.omega[0]:.6g} .. {self.omega[-1]:.6g}>"
 
 
-class DampedModes(_core.Result):
+class DampedModes(_fields.DampedModes):
     """Modes with dashpots at all contacts. Made by network.damped_modes()."""
-
-    _type = "sp_damped_modes"
-    n = Value[int]()
-    omega = Array("n")
-    decay = Array("n")
-    cosine = Array("n")
-    sine = Array("n")
-    error = Array("n")
-    residual = Value[float]()
 
     def __init__(self, network: Network, damping: float | str, source: str) -> None:
         law = _core.damping_law(damping)
@@ -127,3 +105,60 @@ class DampedModes(_core.Result):
             lib.sp_damped_modes_quality(self._c, k, pair, pair + 1)
             q[k], error[k] = pair[0], pair[1]
         return q, error
+
+
+# ---- spectra ----------------------------------------------------------------------------------------------------------
+
+class DensityOfStates(_core.NetworkResult, _fields.Dos):
+    """Density of states. Made by network.dos(). Errors have the names of the numbers: density_error, ..."""
+
+    @property
+    def omega(self) -> Floats:
+        """Middles of the bins."""
+        edge: Floats = self.edge
+        return 0.5 * (edge[:-1] + edge[1:])
+
+
+class Transmission(_core.NetworkResult, _fields.Transmission):
+    """Spectrum of the signal. Made by network.transmission()."""
+
+    @property
+    def F(self) -> npt.NDArray[np.complex128]:
+        """re + i im."""
+        return self.re + 1j * self.im  # type: ignore[no-any-return]
+
+
+class Dispersion(_core.NetworkResult, _fields.Dispersion):
+    """Waves of a network. Made by network.dispersion(). wave: one row (DISPERSION_POINT) for each polarization and
+    number; s [waves][profile]: S(k, omega)."""
+
+    _missing = "ask for dispersion(profile=400)"
+
+    def polarization(self, row: int) -> str:
+        """longitudinal, transverse or rotational, for a row of `wave`."""
+        return _core.words("sp_polarization")[int(self.wave["polarization"][row])]
+
+
+class Harmonic(_core.NetworkResult, _fields.Harmonic):
+    """Response to driving. Made by network.harmonic(). fit: one row (WAVE_FIT) for each frequency."""
+
+    @property
+    def F(self) -> npt.NDArray[np.complex128]:
+        """The force at the detector [n], a view."""
+        force: npt.NDArray[np.complex128] = self.f.view(np.complex128)[:, 0]
+        return force
+
+
+class Continuum(_core.NetworkResult, _fields.Continuum):
+    """The lowest modes and those of an elastic strip. Made by network.continuum(). row: CONTINUUM_ROW."""
+
+
+class WaveSection(_core.NetworkResult, _fields.CoherentSection):
+    """Signals at planes one above the other. Made by network.section()."""
+
+    @documented("sp_coherent_fit")
+    def wave(self, omega: float) -> CoherentWave:
+        """The coherent wave at one frequency."""
+        out = ffi.new("sp_coherent_wave *")
+        call(lib.sp_coherent_fit, self._c, omega, out)
+        return _core.record(CoherentWave, out, self._known_material())

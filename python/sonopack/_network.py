@@ -1,22 +1,23 @@
 """The elastic network of a packing: springs, stiffness matrix, and what follows from them."""
 from __future__ import annotations
 
+import dataclasses
 import importlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from . import _core, _place, _records, _sensitivity
-from ._core import Array, Floats, Integers, Value, call, documented
+from . import _core, _fields, _place, _records, _sensitivity
+from ._core import Floats, Integers, call, documented
 from ._native import ffi, lib
-from ._modes import DampedModes, Modes, Stability
+from ._modes import (Continuum, DampedModes, DensityOfStates, Dispersion, Harmonic, Modes, Transmission,
+                     WaveSection)
 from ._place import Where
 from ._sensitivity import Gradient
-from ._si import Members, factor
+from ._si import InSI
 from ._signal import Pulse, Signal
-from ._spectra import Continuum, Dispersion, DensityOfStates, Harmonic, Transmission, WaveSection
 
 if TYPE_CHECKING:
     from ._packing import Packing
@@ -27,12 +28,18 @@ ENERGY = _core.dtype_of("sp_energy")
 FLUX = _core.dtype_of("sp_flux")
 
 
+def _given(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The options among the arguments of a method, of its locals()."""
+    return {name: value for name, value in values.items() if name != "self"}
+
+
 def _scipy_sparse() -> Any:
     """scipy is needed for K and M as its matrices only."""
     return importlib.import_module("scipy.sparse")
 
 
-class Elasticity:
+@dataclasses.dataclass(frozen=True)
+class Elasticity(InSI):
     """The stiffness tensor of a network. Made by network.elasticity().
 
     c, error: the tensor in Voigt's notation, and bounds of its errors [strains][strains] [E*]
@@ -42,57 +49,34 @@ class Elasticity:
     residual: largest |K u - f|/|f| of the solves
     """
 
-    def __init__(self, c: Any, material: Any = None) -> None:
-        self._material = material
-        strains = int(c.strains)
-        self.c: Floats = np.array([list(row) for row in c.c])[:strains, :strains]
-        self.error: Floats = np.array([list(row) for row in c.error])[:strains, :strains]
-        self.bulk, self.bulk_error = float(c.bulk), float(c.bulk_error)
-        self.shear, self.shear_error = float(c.shear), float(c.shear_error)
-        self.anisotropy, self.anisotropy_error = float(c.anisotropy), float(c.anisotropy_error)
-        self.residual = float(c.residual)
+    c: Floats
+    error: Floats
+    bulk: float
+    bulk_error: float
+    shear: float
+    shear_error: float
+    anisotropy: float
+    anisotropy_error: float
+    residual: float
 
-    def si(self, material: _records.Material | None = None) -> Members:
-        """The members in SI units, as copies; material: of the grains, by default that of the packing."""
-        scale = factor("E*", material or self._material)
-        pure = ("anisotropy", "anisotropy_error", "residual")
-        members = {name: value if name in pure else scale * value
-                   for name, value in vars(self).items() if name != "_material"}
-        return Members("Elasticity", members, {name: "Pa" for name in members if name not in pure})
+    units = dict.fromkeys(("c", "error", "bulk", "bulk_error", "shear", "shear_error"), "E*")
 
     def __repr__(self) -> str:
-        return (f"<Elasticity: K = {self.bulk:.6g} E*, G = {self.shear:.6g} E*, anisotropy {self.anisotropy:.3g}, "
+        return (f"<Elasticity: K = {self.bulk:.6g}, G = {self.shear:.6g}, anisotropy {self.anisotropy:.3g}, "
                 f"c {list(self.c.shape)}>")
 
 
-class Network(_core.Result):
+class Network(_fields.Network):
     """The springs between the grains that carry force, with fixed walls or in a periodic cell: M u'' = -K u.
 
     Made by packing.network(). Vectors over the network are [n][dof]. The arrays are views, as those of a Packing.
     """
 
-    _type = "sp_network"
-    dim = Value[int]()
-    dof = Value[int]()
-    n = Value[int]()
-    n_bulk = Value[int]()
-    grain = Array("n")
-    mass = Array("n", "dof")
-    x = Array("n", 3)
-    r = Array("n")
-    springs = Array("n_springs")
-    length = Array("n_springs")
-    pressure = Value[float]()
-    cell = Value[str]()
-
     def __init__(self, packing: Packing, *, threshold: float | None = None, prestress: bool = False,
                  sliding_free: bool = False, tangential: str | None = None) -> None:
-        options = ffi.new("sp_network_options *", lib.sp_network_options_default())
-        _core.set_fields(options, {"threshold": threshold, "prestress": prestress, "sliding_free": sliding_free,
-                                   "tangential": tangential})
-        self._options = options
-        self._c = _core.new("sp_network", lib.sp_network_free, lib.sp_network_none)
-        call(lib.sp_network_make, packing._c, options, self._c)
+        self._options = _core.options_of("sp_network_options", {
+            "threshold": threshold, "prestress": prestress, "sliding_free": sliding_free, "tangential": tangential})
+        self._make(packing._c, self._options)
         self.packing = packing
 
     # ---- the matrix -------------------------------------------------------------------------------------------------
@@ -203,11 +187,11 @@ class Network(_core.Result):
         return DampedModes(self, damping, source)
 
     @documented("sp_stability_make")
-    def stability(self) -> Stability:
+    def stability(self) -> _records.Stability:
         """Whether any motion grows."""
         out = ffi.new("sp_stability *")
         call(lib.sp_stability_make, self.packing._c, self._c, out)
-        return _core.record(Stability, out, self.packing.material)
+        return _core.record(_records.Stability, out, self.packing.material)
 
     # ---- waves ------------------------------------------------------------------------------------------------------
 
@@ -225,10 +209,7 @@ class Network(_core.Result):
         sources, detectors: places, such as Place.plane(5) or "plane:5". pulse: the source against time. damping: a
         fraction of critical damping, "gamma:C[:CT]" or "mass:RATE[:RATET]".
         """
-        return Signal(self, pulse, sources, detectors,
-                      {"until": until, "points": points, "method": method, "tolerance": tolerance, "source": source,
-                       "damping": damping, "amplitude": amplitude, "step": step, "modes": modes, "solver": solver,
-                       "front": stop_at_front, "threads": threads})
+        return Signal(self, _given(locals()))
 
     @documented("sp_network_front")
     def front(self, *, source: str = "impulse", window: float = 0.0) -> _records.Front:
@@ -271,7 +252,10 @@ class Network(_core.Result):
         """The whole stiffness tensor, with the bulk and shear modulus of its isotropic part."""
         out = ffi.new("sp_elasticity *")
         call(lib.sp_elasticity_make, self._c, self._density(margin), ffi.NULL, out)
-        return Elasticity(out, self.packing.material)
+        n = int(out.strains)
+        c, error = (np.array([list(row) for row in rows])[:n, :n] for rows in (out.c, out.error))
+        numbers = [getattr(out, field.name) for field in dataclasses.fields(Elasticity)[2:]]
+        return _core.with_material(Elasticity(c, error, *numbers), self.packing.material)
 
     @documented("sp_moduli_probe")
     def probes(self, probes: Sequence[tuple[str, int]], margin: float = 3.0) -> list[_records.ProbeModuli]:
@@ -316,9 +300,7 @@ class Network(_core.Result):
     def signal_sensitivity(self, t: npt.ArrayLike, springs: npt.ArrayLike | None = None, *, source: str | None = None,
                            at: Where | None = None, detector: Where | None = None) -> tuple[Floats, Floats, Floats]:
         """dF/dk_n and dF/dk_t [springs][times] of chosen springs at all times t, and bounds of their errors [springs][2]."""
-        wave = {"source": source, "at": at, "detector": detector, "pulse": None, "until": None, "points": None,
-                "threads": 1}
-        return _sensitivity.of_times(self, t, springs, wave)
+        return _sensitivity.of_times(self, t, springs, {"source": source, "at": at, "detector": detector})
 
     # ---- spectra ----------------------------------------------------------------------------------------------------
 
@@ -327,44 +309,47 @@ class Network(_core.Result):
             until: float | None = None, resolution: float | None = None, vectors: int | None = None,
             seed: int | None = None, threads: int = 1) -> DensityOfStates:
         """The density of states: exact, by kernel polynomials (kpm), or counted in bins (count)."""
-        return DensityOfStates(self, {"method": method, "norm": norm, "bins": bins, "until": until,
-                                      "resolution": resolution, "vectors": vectors, "seed": seed, "threads": threads})
+        return DensityOfStates(self, _core.options_of("sp_dos_options", _given(locals())))
 
     @documented("sp_transmission")
     def transmission(self, *, source: str | None = None, at: Where | None = None, detector: Where | None = None,
                      points: int | None = None, until: float | None = None,
                      resolution: float | None = None) -> Transmission:
         """Spectrum of the signal from wall to wall."""
-        return Transmission(self, at, detector, {"source": source, "points": points, "until": until,
-                                                 "resolution": resolution})
+        return Transmission(self, _place.options_of("sp_transmission_options", _given(locals())))
 
     @documented("sp_dispersion_make")
     def dispersion(self, *, up: bool | None = None, waves: int | None = None, node: float | None = None,
                    resolution: float | None = None, profile: int | None = None, along_y: bool = False) -> Dispersion:
         """Frequencies of longitudinal, transverse and rotational waves."""
-        return Dispersion(self, {"up": up, "waves": waves, "node": node, "resolution": resolution, "profile": profile,
-                                 "along_y": along_y})
+        values = _given(locals())
+        values["up"] = self.dim == 1 if up is None else up
+        standing = self.cell == "box" or (values["up"] and self.cell == "piston")  # waves between walls
+        behind = 0.5 if standing and self.packing.wall == "grain" else 0.0  # at the centre of the grain behind the wall
+        values["node"] = behind if node is None else node
+        return Dispersion(self, _core.options_of("sp_dispersion_options", values))
 
     @documented("sp_harmonic_make")
     def harmonic(self, omega: npt.ArrayLike, *, damping: float | str | None = None, source: str | None = None,
                  at: Where | None = None, detector: Where | None = None, planes: int | None = None,
                  range: tuple[float, float] | None = None, tolerance: float | None = None) -> Harmonic:
         """Steady response to driving with exp(i omega t)."""
-        return Harmonic(self, omega, at, detector, range, {"damping": damping, "source": source, "planes": planes,
-                                                           "tolerance": tolerance})
+        values, frequencies = _given(locals()), _core.row(omega, "omega")
+        values |= {"omega": _core.pointer_to(frequencies, "const double *"), "n": len(frequencies),
+                   "range": None if range is None else _core.pair(range, "range")}
+        return Harmonic(self, _place.options_of("sp_harmonic_options", values))
 
     @documented("sp_continuum_make")
     def continuum(self, lowest: int = 12, *, solver: str = "auto", margin: float = 3.0) -> Continuum:
         """The lowest modes compared with those of a homogeneous elastic strip."""
-        return Continuum(self, self._density(margin), lowest, solver)
+        return Continuum(self, self._density(margin), lowest, _core.number_of("sp_modes_solver", solver, "solver"))
 
     @documented("sp_coherent_section_make")
     def section(self, *, source: str | None = None, spacing: float | None = None, low: float | None = None,
                  part: float | None = None, damping: float | str | None = None,
                  shear: bool | None = None) -> WaveSection:
         """Signals at planes one above the other, to which coherent waves are fitted."""
-        return WaveSection(self, {"source": source, "spacing": spacing, "low": low, "part": part, "damping": damping,
-                                  "shear": shear})
+        return WaveSection(self, _core.options_of("sp_coherent_section_options", _given(locals())))
 
     # ---- transport of energy ----------------------------------------------------------------------------------------
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from . import _amplitude, _core, _scene
-from ._core import Array, Floats, Path, Value, c_path, call, documented
+from . import _core, _fields, _scene
+from ._core import Floats, Path, c_path, call, documented
 from ._native import ffi, lib
 from ._network import Network
 from ._records import (AmplitudeFront, AmplitudeHarmonics, AmplitudePlane, AmplitudeSecond, Audit, Front, Material,
@@ -27,32 +27,14 @@ BACK = int(lib.SP_BACK)
 CONTACT = _core.dtype_of("sp_contact")
 
 
-class Packing(_core.Drawn, _core.Result):
+class Packing(_core.Drawn, _fields.Packing):
     """Grains at rest under pressure, and their contacts.
 
     Lengths are in mean grain diameters d, pressures in E*, forces in E* d^2, times in d / sqrt(E* / rho). The arrays are
     views of the library's memory: they are not copied, cannot be written to, and keep it alive.
     """
 
-    _type = "sp_packing"
     _figure = "network"
-    dim = Value[int]()
-    n = Value[int]()
-    x = Array("n", 3)
-    r = Array("n")
-    contacts = Array("n_contacts")
-    cell = Value[str]()
-    gravity = Value[float]()
-    pressure = Value[float]()
-    friction = Value[float]()
-    poisson = Value[float]()
-    wall = Value[str]()
-    material = Value[Material]()
-    seed = Value[int]()
-    steps = Value[int]()
-    residual = Value[float]()
-    seconds = Value[float]()
-    scene = Value[str]()
 
     #: of a packing that another program wrote: what was read (sonopack.formats.Report)
     report: Any = None
@@ -83,15 +65,22 @@ class Packing(_core.Drawn, _core.Result):
             call(lib.sp_pack_spec_from, ffi.addressof(struct, "pack"), start._c)
             if not struct.material.young > 0:
                 struct.material = start._c.material
+        made = cls.of_spec(ffi.addressof(struct, "pack"), start, progress=progress, threads=threads)
+        if made._c.scene == ffi.NULL:
+            made._c.scene = lib.sp_scene_text(struct, b"packing")
+        made._c.material = struct.material
+        return made
+
+    @classmethod
+    def of_spec(cls, spec: Any, start: Packing | None = None, *,
+                progress: Callable[[PackProgress], object] | None = None, threads: int = 1) -> Packing:
+        """Compresses the packing of an sp_pack_spec, from a gas or from a start."""
         watch = Watch(progress)
         hooks = ffi.new("sp_pack_hooks *", {"watch": lib.sonopack_pack_watch, "user": watch.handle, "threads": threads})
         if start is not None:
             setattr(hooks, "from", start._c)
         out = _none()
-        watch.run(lib.sp_packing_make_with, ffi.addressof(struct, "pack"), hooks, out)
-        if out.scene == ffi.NULL:
-            out.scene = lib.sp_scene_text(struct, b"packing")
-        out.material = struct.material
+        watch.run(lib.sp_packing_make_with, spec, hooks, out)
         return cls(out)
 
     @classmethod
@@ -110,14 +99,12 @@ class Packing(_core.Drawn, _core.Result):
         return cls(out)
 
     @classmethod
-    @documented("sp_packing_read_tables")
     def read_tables(cls, grains: Path, contacts: Path, keys: Mapping[str, Any] | None = None) -> Packing:
-        """Reads a table of grains and one of contacts. keys: {"pressure": 1e-4, ...}, in place of their comments."""
-        texts = [ffi.new("char[]", f"{key}={value}".encode()) for key, value in (keys or {}).items()]
-        array = ffi.new("char *[]", texts) if texts else ffi.NULL
-        out = _none()
-        call(lib.sp_packing_read_tables, c_path(grains), c_path(contacts), len(texts), array, out)
-        return cls(out)
+        """Reads a table of grains and one of contacts, and checks the packing. keys: {"pressure": 1e-4, ...}, in place of
+        their comments: dimension, width, depth, height, cell, xy, xz, yz, gravity, pressure, friction, poisson, wall,
+        material, seed."""
+        from .formats import pair
+        return pair.read(os.fsdecode(grains), os.fsdecode(contacts), keys or {})
 
     @classmethod
     def from_arrays(cls, x: npt.ArrayLike, r: npt.ArrayLike, contacts: Mapping[str, npt.ArrayLike] | npt.NDArray[Any],
@@ -195,7 +182,10 @@ class Packing(_core.Drawn, _core.Result):
 
     def save_tables(self, grains: Path, contacts: Path) -> None:
         """Writes a table of grains and one of contacts."""
-        call(lib.sp_packing_save_tables, self._c, c_path(grains), c_path(contacts))
+        from . import formats
+        from .formats import pair
+        call(lib.sp_packing_check, self._c)
+        formats.write_files(pair.content(self, os.fsdecode(grains), os.fsdecode(contacts)))
 
     def of_material(self, material: Material) -> Packing:
         """The same packing of grains of another material, which tells what its numbers are in SI units."""
@@ -296,20 +286,35 @@ class Packing(_core.Drawn, _core.Result):
     def loud_fronts(self, amplitudes: npt.ArrayLike, *, source: str | None = None, until: float | None = None,
                     tolerance: float | None = None) -> list[AmplitudeFront]:
         """The front at the top wall after pulses of these amplitudes, as `sonopack amplitude` finds it."""
-        return _amplitude.fronts(self, amplitudes, source=source, until=until, tolerance=tolerance)
+        given = _core.floats(amplitudes, "amplitudes").ravel()
+        out = ffi.new("sp_amplitude_front[]", len(given))
+        options = _core.options_of("sp_amplitude_options", {"source": source, "until": until, "tolerance": tolerance})
+        call(lib.sp_amplitude_pulses, self._c, options, len(given), _core.pointer_to(given), out, ffi.NULL)
+        return [_core.record(AmplitudeFront, one, self.material) for one in out]
 
     @documented("sp_amplitude_planes")
     def loud_planes(self, amplitude: float, heights: npt.ArrayLike, *, source: str | None = None,
                     until: float | None = None, tolerance: float | None = None) -> list[AmplitudePlane]:
         """The fronts of one pulse at planes of these heights, ascending."""
-        return _amplitude.planes(self, amplitude, heights, source=source, until=until, tolerance=tolerance)
+        given = _core.floats(heights, "heights").ravel()
+        out = ffi.new("sp_amplitude_plane[]", len(given))
+        options = _core.options_of("sp_amplitude_options", {"source": source, "until": until, "tolerance": tolerance})
+        call(lib.sp_amplitude_planes, self._c, options, float(amplitude), len(given), _core.pointer_to(given), out, ffi.NULL)
+        return [_core.record(AmplitudePlane, one, self.material) for one in out]
 
     @documented("sp_amplitude_bursts")
     def loud_burst(self, amplitude: float, omega: float, cycles: int = 6, *, planes: int = 10,
                    heights: npt.ArrayLike | None = None,
                    tolerance: float | None = None) -> tuple[list[AmplitudeHarmonics], AmplitudeSecond]:
         """The harmonics of a burst at planes, `planes` equal distances or these heights, and what they tell together."""
-        return _amplitude.burst(self, amplitude, omega, cycles, planes, heights, tolerance=tolerance)
+        given = None if heights is None else _core.floats(heights, "heights").ravel()
+        made = ffi.new("sp_amplitude_burst *", {"amplitude": float(amplitude), "omega": float(omega), "cycles": int(cycles)})
+        out = ffi.new("sp_amplitude_harmonics[]", planes if given is None else len(given))
+        second = ffi.new("sp_amplitude_second *")
+        call(lib.sp_amplitude_bursts, self._c, _core.options_of("sp_amplitude_options", {"tolerance": tolerance}), made,
+             len(out), ffi.NULL if given is None else _core.pointer_to(given), out, second)
+        return ([_core.record(AmplitudeHarmonics, one, self.material) for one in out],
+                _core.record(AmplitudeSecond, second, self.material))
 
     def _known_material(self) -> Material:
         return self.material

@@ -1,7 +1,7 @@
 """Where sources and detectors are."""
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -80,6 +80,16 @@ def one(where: Where) -> Any:
     struct = ffi.new("sp_place *")
     place(where)._write(struct)
     return struct
+
+
+def options_of(c_name: str, values: Mapping[str, Any]) -> Any:
+    """Options of the library, with those values that are not its own; at and detector are places."""
+    own = {name: value for name, value in values.items() if name not in ("at", "detector")}
+    options = _core.options_of(c_name, own)
+    for name, field in (("at", "from"), ("detector", "to")):
+        if values.get(name) is not None:
+            setattr(options, field, one(values[name])[0])
+    return options
 
 
 def several(where: Where | Iterable[Where] | None) -> tuple[int, Any]:

@@ -42,7 +42,7 @@ def converted(value: Any, unit: str, units: dict[str, str], material: Material |
     if isinstance(value, InSI) and unit:  # of the record as a whole, such as a number with its error
         scale = factor(unit, material)
         return dataclasses.replace(value, **{name: scale * number for name, number in vars(value).items()
-                                             if isinstance(number, float)})  # type: ignore[type-var]
+                                             if isinstance(number, float)})
     if isinstance(value, InSI):
         return value.si(material)
     if isinstance(value, np.ndarray) and value.dtype.names:
@@ -62,9 +62,9 @@ class InSI:
         """The same record with all numbers in SI units: m, s, kg, N, Pa. material: of the grains, by default that of the
         packing of which this is a result. InvalidInput (key "material") if it is not known."""
         material = material or getattr(self, "_material", None)
-        return dataclasses.replace(self, **{  # type: ignore[type-var]
+        return dataclasses.replace(self, **{
             field.name: converted(getattr(self, field.name), self.units.get(field.name.rstrip("_"), ""), {}, material)
-            for field in dataclasses.fields(self)})  # type: ignore[arg-type]
+            for field in dataclasses.fields(self)})
 
 
 class Members:

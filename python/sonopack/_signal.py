@@ -1,16 +1,13 @@
 """Signals after a pulse, and their first fronts."""
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import numpy.typing as npt
 
-from . import _core, _place
-from ._core import Array, Floats, Value, call, documented
+from . import _core, _fields, _place
+from ._core import Floats, call, documented
 from ._native import ffi, lib
-from ._place import Where
 from ._records import Front
 from ._si import Members
 from ._table import Table
@@ -87,44 +84,29 @@ class Pulse:
         return float(lib.sp_pulse_strength(self._c, t))
 
 
-class Signal(_core.Drawn, _core.Result):
+class Signal(_core.Drawn, _fields.Signal):
     """The force on a detector after a pulse, at equally spaced times. Made by network.signal()."""
 
-    _type = "sp_signal"
     _figure = "signal"
-    n = Value[int]()
-    sources = Value[int]()
-    detectors = Value[int]()
-    t = Array("n")
-    f = Array("sources", "detectors", "n")
-    errors = Array("sources", "detectors")
-    error = Value[float]()
-    omega_max = Value[float]()
-    products = Value[int]()
-    step = Value[float]()
-    amplitude = Value[float]()
-    method = Value[str]()
-    modes = Value[int]()
 
-    def __init__(self, network: Network, pulse: Pulse | None, sources: Where | Iterable[Where] | None,
-                 detectors: Where | Iterable[Where] | None, values: dict[str, Any]) -> None:
-        options = ffi.new("sp_signal_options *", lib.sp_signal_options_default())
+    def __init__(self, network: Network, values: dict[str, Any]) -> None:
         self.network = network
         self._height, self._pressure = network.packing.height, network.packing.pressure
-        options.until = lib.sp_signal_window(self._height, self._pressure)
-        if values["method"] == "dynamics" and values["tolerance"] is None:
-            values = {**values, "tolerance": max(options.tolerance, DYNAMICS_TOLERANCE)}
-        _core.set_fields(options, _core.with_damping(values))
-        options.sources, start = _place.several(sources)
-        options.detectors, end = _place.several(detectors)
-        setattr(options, "from", start)
-        options.to = end
         self._c = _core.new("sp_signal", lib.sp_signal_free, lib.sp_signal_none)
+        pulse, values["front"] = values.pop("pulse"), values.pop("stop_at_front")
+        count, start = _place.several(values.pop("sources"))
+        count_to, end = _place.several(values.pop("detectors"))
+        usual = lib.sp_signal_options_default().tolerance
+        if values["method"] == "dynamics" and values["tolerance"] is None:
+            values["tolerance"] = max(usual, DYNAMICS_TOLERANCE)
+        if values["until"] is None:
+            values["until"] = signal_window(self._height, self._pressure)
+        options = _core.options_of("sp_signal_options", {
+            **values, "sources": count, "from": start, "detectors": count_to, "to": end})
         if pulse is not None:
             call(lib.sp_signal_pulse, network._c, options, pulse._c, self._c)
         else:
             call(lib.sp_signal_compute, network.packing._c, network._c, options, self._c)
-        del start, end
 
     @property
     def F(self) -> Floats:
@@ -164,5 +146,3 @@ class Signal(_core.Drawn, _core.Result):
 def signal_window(height: float, pressure: float) -> float:
     """A time after the passage of the first front: 8 H + 40 at p = 1e-4, scaled with p^(-1/6)."""
     return float(lib.sp_signal_window(height, pressure))
-
-

@@ -13,11 +13,9 @@ class Watch:
     """One call of the library that may be stopped. An exception in a callback, Ctrl-C among them, stops the work; `run`
     raises it again once the library has cleaned up."""
 
-    def __init__(self, progress: Callable[[Any], object] | None, row: Callable[[Any, Any, Any], None] | None = None,
-                 stage: Callable[[Any, int], None] | None = None) -> None:
-        self.progress = progress
-        self.row = row
-        self.stage = stage
+    def __init__(self, progress: Callable[[Any], object] | None,
+                 row: Callable[[Any, Any, Any], None] | None = None) -> None:
+        self.progress, self.row = progress, row
         self.stopped = False
         self.exception: BaseException | None = None
         self.handle = ffi.new_handle(self)
@@ -57,14 +55,6 @@ def _on_error(kind: type[BaseException], exception: BaseException, trace: Traceb
 def sonopack_pack_watch(progress: Any, user: Any) -> bool:
     watch: Watch = ffi.from_handle(user)
     return watch.report(_core.record(_records.PackProgress, progress) if watch.progress else None)
-
-
-@ffi.def_extern(error=lib.SP_EINTERRUPTED, onerror=_on_error)  # type: ignore[misc]
-def sonopack_pack_stage(packing: Any, index: int, user: Any, err: Any) -> int:
-    watch: Watch = ffi.from_handle(user)
-    if watch.stage is not None:
-        watch.stage(packing, index)
-    return int(lib.SP_OK)
 
 
 @ffi.def_extern(error=False, onerror=_on_error)  # type: ignore[misc]

@@ -1,23 +1,11 @@
 #ifndef SP_TAPPED_BSR_H
 #define SP_TAPPED_BSR_H
-/* Parts common to the two BSR models: rows with densities, and the time loop. */
+/* Parts common to the two BSR models: the time loop. */
 
 #include "tapped/column.h"
 
-/* Row callback as sp_tapped_row, with the densities rho [N] at the particles [g/cm]. */
-typedef sp_status (*sp_tapped_bsr_row)(double t, const double *y, const double *v, const double *rho, void *user,
-                                       sp_error *err);
-typedef struct sp_tapped_bsr_rows {
-    int64_t n;
-    const double *t;
-    sp_tapped_bsr_row row;
-    void *user;
-} sp_tapped_bsr_rows;
-
-typedef sp_status sp_tapped_bsr_solver(const sp_tapped_spec *c, const sp_tapped_bsr_rows *rows,
-                                       sp_tapped_report *report, sp_error *err);
-/* The two schemes, and the one that c->bsr asks for. */
-sp_tapped_bsr_solver sp_tapped_conservative, sp_tapped_literal, sp_tapped_run_bsr_rows;
+/* The two schemes. */
+sp_tapped_solver sp_tapped_conservative, sp_tapped_literal;
 
 /* State at one end of a step: positions and velocities [N + 1], the floor first, and densities [N]. */
 typedef struct sp_tapped_frame {
@@ -35,7 +23,7 @@ typedef struct sp_tapped_bsr_scheme {
 /* Integrates over all taps. Steps end at the jumps of the floor's velocity. Rows are interpolated; separations and
  * violations go into the report. */
 sp_status sp_tapped_bsr_integrate(const sp_tapped_spec *c, const sp_tapped_bsr_scheme *scheme,
-                                  const sp_tapped_bsr_rows *rows, sp_tapped_report *report, sp_error *err);
+                                  const sp_tapped_rows *rows, sp_tapped_report *report, sp_error *err);
 
 /* Shortens a step dt from t so that its end, *end, does not exceed `until`. Returns SP_EFAILED if dt is lost in the
  * rounding of t. */

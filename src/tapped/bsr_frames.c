@@ -31,7 +31,7 @@ sp_status sp_tapped_check_time_step(const sp_tapped_spec *c, double bound, sp_er
 typedef struct loop {
     const sp_tapped_spec *c;
     sp_tapped_frame from, to, mixed;
-    const sp_tapped_bsr_rows *rows;
+    const sp_tapped_rows *rows;
     int64_t next; /* row */
     sp_tapped_report *report;
 } loop;
@@ -89,7 +89,7 @@ static sp_status write_row(loop *w, double t, sp_error *err) {
 /* Records the end of a step, and writes the rows within it. */
 static sp_status finish_step(loop *w, sp_error *err) {
     const sp_tapped_spec *c = w->c;
-    const sp_tapped_bsr_rows *rows = w->rows;
+    const sp_tapped_rows *rows = w->rows;
     const int64_t most = (int64_t)SP_TAPPED_MOST_STEPS * sp_tapped_taps(c);
     sp_status status = sp_tapped_check_steps(c, w->report->steps, most, w->to.t, err);
     if (status != SP_OK)
@@ -124,7 +124,7 @@ static sp_status run_taps(loop *w, const sp_tapped_bsr_scheme *scheme, sp_error 
 }
 
 sp_status sp_tapped_bsr_integrate(const sp_tapped_spec *c, const sp_tapped_bsr_scheme *scheme,
-                                  const sp_tapped_bsr_rows *rows, sp_tapped_report *report, sp_error *err) {
+                                  const sp_tapped_rows *rows, sp_tapped_report *report, sp_error *err) {
     const size_t n = (size_t)c->particles + 1;
     double *all = sp_alloc(9 * n, sizeof *all);
     if (!all)

@@ -5,13 +5,12 @@
 #include <math.h>
 #include <sonopack/tapped/tapped.h>
 
-static const double sp_tapped_pi = 3.14159265358979323846;
-
-/* The rows that the caller of a run asks for: n ascending times t. */
+/* The rows that the caller of a run asks for: n ascending times t. rho [N]: densities at the particles [g/cm], of BSR;
+ * NULL of the other models. */
 typedef struct sp_tapped_rows {
     int64_t n;
     const double *t;
-    sp_tapped_row row;
+    sp_status (*row)(double t, const double *y, const double *v, const double *rho, void *user, sp_error *err);
     void *user;
 } sp_tapped_rows;
 
@@ -22,17 +21,11 @@ sp_tapped_solver sp_tapped_run_events, sp_tapped_run_ode, sp_tapped_run_longwave
 /* Models (35) and (37): returns SP_EREFUSED; the message gives the growth rate of the worst wave. */
 sp_tapped_solver sp_tapped_refuse_printed;
 
-/* A report with one entry for each of c->taps, as a solver expects it. Free with sp_tapped_report_free. */
-sp_status sp_tapped_report_make(const sp_tapped_spec *c, sp_tapped_report *r, sp_error *err);
-
 /* Called once a step, at time t. Returns SP_EINTERRUPTED if the user has stopped the run, and SP_EFAILED after more
  * than `most` steps (0: no limit). */
 sp_status sp_tapped_check_steps(const sp_tapped_spec *c, int64_t steps, int64_t most, double t, sp_error *err);
 /* Limit on the steps of one tap, for the continua, the smooth lattice and RK4. */
 enum { SP_TAPPED_MOST_STEPS = 10000000 };
-
-/* Returns SP_EINVAL unless the times ascend and lie within the taps. */
-sp_status sp_tapped_check_times(const sp_tapped_spec *c, int64_t n, const double *t, sp_error *err);
 
 /* Distance of the two centres when contact i (0 .. N - 1) just touches; contact i lies below particle i + 1. */
 static inline double sp_tapped_distance(const sp_tapped_spec *c, int32_t contact) {

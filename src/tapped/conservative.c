@@ -112,7 +112,7 @@ static double measure_cells(fluid *f) {
  * velocity of the floor, and that of the column's fall. */
 static double stable_step(const fluid *f) {
     const sp_tapped_spec *c = f->c;
-    double speed = f->h * sqrt(f->stiffness / f->m) + 2 * sp_tapped_pi * c->frequency * c->amplitude +
+    double speed = f->h * sqrt(f->stiffness / f->m) + 2 * M_PI * c->frequency * c->amplitude +
                    sqrt(2 * c->gravity * fmax(0, c->drop)) + sqrt(c->gravity * f->dx);
     return safety * f->dx / speed;
 }
@@ -323,7 +323,7 @@ static sp_status step(void *model, double until, const sp_tapped_frame *from, sp
     return status;
 }
 
-sp_status sp_tapped_conservative(const sp_tapped_spec *c, const sp_tapped_bsr_rows *rows, sp_tapped_report *report,
+sp_status sp_tapped_conservative(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
                                  sp_error *err) {
     fluid f = {0};
     const sp_tapped_bsr_scheme scheme = {&f, place, step};

@@ -50,9 +50,9 @@ typedef struct recorder {
     double *to;
 } recorder;
 
-static sp_status record_row(double t, const double *y, const double *v, void *user, sp_error *err) {
+static sp_status record_row(double t, const double *y, const double *v, const double *rho, void *user, sp_error *err) {
     recorder *k = user;
-    (void)t, (void)v, (void)err;
+    (void)t, (void)v, (void)rho, (void)err;
     memcpy(k->to, y + 1, (size_t)k->n * sizeof(double));
     k->to += k->n;
     return SP_OK;

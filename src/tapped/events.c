@@ -119,7 +119,7 @@ static sp_status write_row(sp_event_run *r, double t, sp_error *err) {
         r->y[i + 1] = r->y[i] + (l->distance[i] - overlap);
         r->v[i + 1] = r->v[i] + opening;
     }
-    return r->rows->row(t, r->y, r->v, r->rows->user, err);
+    return r->rows->row(t, r->y, r->v, NULL, r->rows->user, err);
 }
 
 /* Writes the rows of the step up to tau. Rows at the end of the tap belong to the next tap, unless this is the last. */

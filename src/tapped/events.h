@@ -2,7 +2,7 @@
 #define SP_TAPPED_EVENTS_H
 /* A run of the lattice from tap to tap by events. */
 
-#include "tapped/stick.h"
+#include "tapped/lattice.h"
 
 typedef struct sp_event_run {
     sp_lattice l;

@@ -23,7 +23,7 @@ static sp_status write_row(integration *w, const double *state, sp_error *err) {
     w->m->positions(w->m->model, state, w->y, w->v);
     w->y[0] = sp_tapped_floor(w->c, t);
     w->v[0] = sp_tapped_floor_velocity(w->c, t);
-    return w->rows->row(t, w->y, w->v, w->rows->user, err);
+    return w->rows->row(t, w->y, w->v, NULL, w->rows->user, err);
 }
 
 /* Writes the rows from s on and before s + h. A time that lies below the end of a phase only by rounding belongs to the
@@ -126,7 +126,7 @@ static sp_status integrate_phase(integration *w, sp_tapped_tap *tap, double s, d
 
 static sp_status integrate_tap(integration *w, sp_tapped_tap *tap, double *energy, sp_error *err) {
     const sp_tapped_spec *c = w->c;
-    double omega = 2 * sp_tapped_pi * c->frequency, top = fmin(0.5 / c->frequency, c->period);
+    double omega = 2 * M_PI * c->frequency, top = fmin(0.5 / c->frequency, c->period);
     double *work = &w->state[w->m->size - 2];
     work[0] = work[1] = 0;
     w->steps = 0;

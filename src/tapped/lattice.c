@@ -21,7 +21,7 @@ sp_status sp_lattice_make(const sp_tapped_spec *c, int tangents, sp_lattice *out
                         .e = c->e,
                         .g = c->gravity,
                         .a = c->amplitude,
-                        .omega = 2 * sp_tapped_pi * c->frequency,
+                        .omega = 2 * M_PI * c->frequency,
                         .tap_end = fmin(0.5 / c->frequency, c->period),
                         .period = c->period,
                         .stride = (int32_t)stride,

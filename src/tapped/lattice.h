@@ -78,4 +78,27 @@ lattice_event sp_lattice_next_event(sp_lattice *l, double h);
  * of the second derivative guarantee that it is the first. */
 double sp_first_root(const double *f, int n, double h);
 
+/* ---- which contacts stick, and the states of all contacts ------------------------------------------------------- */
+
+/* Decides which contacts stick, in the connected run of contacts with w = 0 and delta > 0 around contact `at`, and in
+ * which direction the others start to move. cause: the contact whose force has left its band, or -1. */
+void sp_lattice_stick(sp_lattice *l, int32_t at, int32_t cause);
+
+/* Initial state: at rest, or dropped, before the first tap. */
+void sp_lattice_start(sp_lattice *l);
+/* Sets overlaps and opening velocities [n], and finds the states; reads them. */
+void sp_lattice_set(sp_lattice *l, const double *overlap, const double *opening);
+void sp_lattice_get(const sp_lattice *l, double *overlap, double *opening);
+
+/* Finds the shortest path through a tube of n nodes at x (ascending) between lo and hi. It starts at
+ * (x0, f0) and ends at (x_end, f_end) or, if free, with slope_end. f [n] receives its heights, bend [n] the decrease of
+ * its slope at each node, exactly 0 where it is straight. */
+typedef struct taut_ends {
+    double x0, f0;
+    bool free;
+    double x_end, f_end, slope_end;
+} taut_ends;
+void sp_taut_string(int32_t n, const double *x, const double *lo, const double *hi, const taut_ends *ends, double *f,
+                    double *bend);
+
 #endif

@@ -31,7 +31,7 @@ typedef struct field {
 static double theta(const sp_tapped_spec *c, double x) {
     double h = 2 * sp_tapped_radius(c, 1), b = 7 * h, width = 3 * h, off = (x - b) / width;
     double by = c->bsr == SP_TAPPED_BSR_LITERAL ? b : width;
-    return exp(-off * off / 2) / (by * sqrt(2 * sp_tapped_pi));
+    return exp(-off * off / 2) / (by * sqrt(2 * M_PI));
 }
 
 /* ---- the force -------------------------------------------------------------------------------------------------- */
@@ -228,11 +228,11 @@ static sp_status step(void *model, double until, const sp_tapped_frame *from, sp
 static sp_status check(const field *f, const sp_tapped_spec *c, sp_error *err) {
     double down = c->gravity * (1 + (1 + c->e) * sp_tapped_bsr_force(c, c->bsr));
     double top = c->particles * f->h + fmax(0, c->drop);
-    double bound = stable_step(f, 2 * sp_tapped_pi * c->frequency * c->amplitude + sqrt(2 * down * top));
+    double bound = stable_step(f, 2 * M_PI * c->frequency * c->amplitude + sqrt(2 * down * top));
     return sp_tapped_check_time_step(c, bound, err);
 }
 
-sp_status sp_tapped_literal(const sp_tapped_spec *c, const sp_tapped_bsr_rows *rows, sp_tapped_report *report,
+sp_status sp_tapped_literal(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
                             sp_error *err) {
     field f = {.c = c};
     const sp_tapped_bsr_scheme scheme = {&f, place_particles, step};

@@ -194,7 +194,7 @@ static sp_status check(const sp_tapped_spec *c, sp_error *err) {
  * the floor's first velocity or the velocity of the fall. A given time step must be stable there; the steps then
  * adapt to the state. */
 static sp_status choose_time_step(const sp_tapped_spec *c, longwave *p, sp_error *err) {
-    double speed = c->drop < 0 ? 2 * sp_tapped_pi * c->frequency * c->amplitude : sqrt(2 * c->gravity * c->drop);
+    double speed = c->drop < 0 ? 2 * M_PI * c->frequency * c->amplitude : sqrt(2 * c->gravity * c->drop);
     double overlap = speed / sqrt(p->stiffness / p->mass);
     if (c->drop < 0)
         overlap += p->particles * p->mass * p->gravity / p->stiffness;

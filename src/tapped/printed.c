@@ -89,8 +89,7 @@ sp_status sp_tapped_symbol_at(const sp_tapped_spec *c, sp_tapped_model model, do
 static double worst_wavenumber(const sp_tapped_spec *c, double step) {
     double r = sp_tapped_radius(c, 1), h = 2 * r;
     printed a = coefficients(r, 1 / h);
-    return c->model == SP_TAPPED_EQ37 ? sqrt(18 * leading_coefficient(&a, r, 1 / h, 1) / a.minus) / h
-                                      : sp_tapped_pi / step;
+    return c->model == SP_TAPPED_EQ37 ? sqrt(18 * leading_coefficient(&a, r, 1 / h, 1) / a.minus) / h : M_PI / step;
 }
 
 sp_status sp_tapped_refuse_printed(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,

@@ -3,11 +3,57 @@
  * carried: its slope is the acceleration of the particles plus g. The solution is therefore the taut string through a
  * tube, which touches the lower edge where it bends one way and the upper edge where it bends the other way. One pass
  * finds it for any N, without iteration. */
-#include "tapped/stick.h"
+#include "tapped/lattice.h"
 
-#include "tapped/taut_string.h"
-
+#include <math.h>
 #include <string.h>
+
+/* ---- the taut string -------------------------------------------------------------------------------------------- */
+
+static void fill(const taut_ends *from, int32_t begin, int32_t end, double slope, const double *x, double *f) {
+    for (int32_t k = begin; k < end; k++)
+        f[k] = from->f0 + slope * (x[k] - from->x0);
+}
+
+void sp_taut_string(int32_t n, const double *x, const double *lo, const double *hi, const taut_ends *ends, double *f,
+                    double *bend) {
+    taut_ends knot = *ends; /* the string is final up to here */
+    int32_t done = 0, turning = -1;
+    double last = 0; /* slope of the last straight piece */
+    for (int32_t k = 0; k < n; k++)
+        bend[k] = 0;
+    for (;;) {
+        double most = INFINITY, least = -INFINITY, slope;
+        int32_t at_most = -1, at_least = -1, k = done;
+        bool over = false, under = false; /* the tube rises, or falls, more steeply than the string can follow */
+        for (; k <= n; k++) {
+            bool end = k == n, past = end && ends->free;
+            double width = (end ? ends->x_end : x[k]) - knot.x0;
+            double upper = past ? ends->slope_end : ((end ? ends->f_end : hi[k]) - knot.f0) / width;
+            double lower = past ? ends->slope_end : ((end ? ends->f_end : lo[k]) - knot.f0) / width;
+            over = lower > most;
+            under = upper < least;
+            if (over || under)
+                break;
+            if (upper <= most)
+                most = upper, at_most = k;
+            if (lower >= least)
+                least = lower, at_least = k;
+        }
+        int32_t next = over ? at_most : under ? at_least : n;
+        slope = under ? least : most;
+        if (turning >= 0)
+            bend[turning] = last - slope;
+        fill(&knot, done, next, slope, x, f);
+        if (next == n)
+            return;
+        f[next] = over ? hi[next] : lo[next];
+        knot.x0 = x[next], knot.f0 = f[next];
+        turning = next, last = slope, done = next + 1;
+    }
+}
+
+/* ---- contacts --------------------------------------------------------------------------------------------------- */
 
 /* A connected run of contacts low .. high with w = 0 and delta > 0; node k of the string is contact high - k. Rounding
  * must not decide: where a force lies on the edge of its band and the string does not bend, the rate of the force
@@ -131,20 +177,8 @@ void sp_lattice_stick(sp_lattice *l, int32_t at, int32_t cause) {
 
 /* ---- states of contacts ----------------------------------------------------------------------------------------- */
 
-void sp_lattice_start(sp_lattice *l) {
-    double above =
-        0; /* summed from the top: differences from below would give each contact a rounding error of its own */
-    for (int32_t i = l->n - 1; i >= 0; i--) {
-        above += l->mass[i];
-        l->delta[i] = l->spec->drop < 0 ? above * l->g / l->k : i == 0 ? -l->spec->drop : 0;
-        l->w[i] = 0;
-    }
-    l->s = 0;
-    l->floor_moves = false;
-    sp_lattice_classify(l);
-}
-
-void sp_lattice_classify(sp_lattice *l) {
+/* Finds the states of all contacts from their overlaps and opening velocities. */
+static void classify(sp_lattice *l) {
     for (int32_t i = 0; i < l->n; i++) {
         bool closed = l->delta[i] > 0 || (l->delta[i] == 0 && l->w[i] < 0);
         l->state[i] = (unsigned char)(!closed                    ? CONTACT_OPEN
@@ -164,10 +198,23 @@ void sp_lattice_classify(sp_lattice *l) {
     sp_lattice_find_clusters(l);
 }
 
+void sp_lattice_start(sp_lattice *l) {
+    double above =
+        0; /* summed from the top: differences from below would give each contact a rounding error of its own */
+    for (int32_t i = l->n - 1; i >= 0; i--) {
+        above += l->mass[i];
+        l->delta[i] = l->spec->drop < 0 ? above * l->g / l->k : i == 0 ? -l->spec->drop : 0;
+        l->w[i] = 0;
+    }
+    l->s = 0;
+    l->floor_moves = false;
+    classify(l);
+}
+
 void sp_lattice_set(sp_lattice *l, const double *overlap, const double *opening) {
     memcpy(l->delta, overlap, (size_t)l->n * sizeof *overlap);
     memcpy(l->w, opening, (size_t)l->n * sizeof *opening);
-    sp_lattice_classify(l);
+    classify(l);
 }
 
 void sp_lattice_get(const sp_lattice *l, double *overlap, double *opening) {

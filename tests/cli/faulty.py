@@ -120,8 +120,7 @@ PLAIN = {
     "study-verify": "study --verify --store @store",
 }
 # Their numbers are times: what they print is compared without digits.
-TIMED = {"bench-moduli": "bench moduli --packing {in}/P.h5 --seconds 0.01",
-         "pack-dry-run": "pack {in}/scene.cfg -o out.h5 --dry-run",
+TIMED = {"pack-dry-run": "pack {in}/scene.cfg -o out.h5 --dry-run",
          "study-dry-run": "study {in}/study.cfg --store store --dry-run"}
 COMMANDS = {**PLAIN, **TIMED}
 INPUTS = [

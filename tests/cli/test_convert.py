@@ -99,7 +99,7 @@ REFUSED = """2 | |
 1 | nowhere.tsv | g.tsv Q.h5 --contacts nowhere.tsv
 1 | bad.tsv:7 x nan | bad.tsv Q.h5 --contacts c.tsv
 1 | bad.txt:1 | bad.txt Q.h5
-1 | No space left | g.tsv full.h5 --contacts c.tsv
+1 | regular file | g.tsv full.h5 --contacts c.tsv
 1 | No space left | g.tsv full.txt --contacts c.tsv
 """
 

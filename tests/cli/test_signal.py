@@ -1,4 +1,4 @@
-"""signal, modes, moduli and bench against numpy (network_oracle.py), and signals as the packings brought them.
+"""signal, modes and moduli against numpy (network_oracle.py), and signals as the packings brought them.
 
 usage: test_signal.py COMMAND SOURCE_DIR
 """
@@ -7,7 +7,7 @@ import pathlib
 
 import numpy as np
 
-from command import N200, N600, REFERENCE, SOURCE, main, pack, refused, run, sets, table, tried
+from command import N200, N600, REFERENCE, main, pack, refused, run, sets, table, tried
 from common import names_all
 from network_oracle import network
 
@@ -104,14 +104,4 @@ def defaults():
     run("signal", N200, "--points", 5, "-o", "s.json", "--force")
 
 
-def bench():
-    found = table("bench", "signal", "modes", "moduli", "--packing", N200, "--until", 20, "--seconds", 0.1)
-    assert found.names == ["case", "method", "parameter", "seconds", "error", "memory_MB"] and "auto" in found.notes
-    methods, rough = found.words("method"), {"verlet", "lax-wendroff"}
-    assert {"auto", "dense", "chebyshev", "verlet", "sparse", "cholesky"} <= set(methods)
-    for method, seconds, error in zip(methods, found["seconds"], found["error"]):
-        assert seconds > 0 and 0 <= error < (2 if method in rough else 1e-10), (method, seconds, error)
-    run("bench", "moduli", "--seconds", 0.1, cwd=SOURCE)  # finds the reference packings
-
-
-main(modes, signals, published, symmetry, moduli, defaults, bench)
+main(modes, signals, published, symmetry, moduli, defaults)

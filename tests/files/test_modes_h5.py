@@ -18,7 +18,6 @@ from network_oracle import Network  # noqa: E402
 
 COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
 PACKING = SOURCE / "packings" / "reference" / "packing_N200_p1e-4.txt"
-OTHER = SOURCE / "packings" / "reference" / "packing_N600_p1e-4.txt"
 FOLDER = pathlib.Path(tempfile.mkdtemp(prefix="sonopack-modes-"))
 SEED = 20261122
 
@@ -154,38 +153,6 @@ def spheres():
     print(f"spheres: K u = omega^2 M u within {worst:.1g}")
 
 
-def drawn_from_files():
-    """The same picture from the packing, from the file of modes, and from the table."""
-    figure = [FOLDER / f"{k}.svg" for k in range(4)]
-    u, again = FOLDER / "mode.tsv", FOLDER / "again.tsv"
-    run("plot", "mode", PACKING, GOOD, "--mode", 80, "--table", u, "-o", figure[0])
-    run("plot", "mode", PACKING, u, "--table", again, "-o", figure[1])
-    assert figure[0].read_bytes() == figure[1].read_bytes()
-    assert table(u.read_text())[1].keys() == table(again.read_text())[1].keys()
-    for name, column in table(u.read_text())[1].items():
-        assert np.array_equal(column, table(again.read_text())[1][name]), name
-    s = FOLDER / "snapshot.tsv"
-    run("plot", "snapshot", PACKING, "--time", 20, "--table", s, "-o", figure[2])
-    run("plot", "snapshot", PACKING, s, "-o", figure[3])
-    assert figure[2].read_bytes() == figure[3].read_bytes()
-    # the wrong kind, packing, mode
-    run("plot", "snapshot", PACKING, u, "-o", FOLDER / "no.svg", status=1)
-    run("plot", "mode", PACKING, s, "-o", FOLDER / "no.svg", status=1)
-    run("plot", "mode", OTHER, u, "-o", FOLDER / "no.svg", status=1)
-    run("plot", "mode", OTHER, GOOD, "-o", FOLDER / "no.svg", status=1)
-    run("plot", "mode", PACKING, u, "--mode", 81, "-o", FOLDER / "no.svg", status=2)
-    run("plot", "mode", PACKING, GOOD, "--mode", 600, "-o", FOLDER / "no.svg", status=2)
-    run("plot", "mode", PACKING, GOOD, "--mode", 0, "-o", FOLDER / "no.svg", status=1)
-    bad = FOLDER / "bad.tsv"
-    for change in (lambda r: r[:-1], lambda r: [*r[:-1], r[-1].replace(r[-1].split("\t")[-1], "nan")],
-                   lambda r: [x for x in r if not x.startswith("# packing")],
-                   lambda r: [x for x in r if not x.startswith("# threshold")],
-                   lambda r: [*r[:-2], r[-1], r[-2]], lambda r: [x.replace("\tuy\t", "\tvy\t") for x in r]):
-        bad.write_text("\n".join(change(u.read_text().splitlines())) + "\n")
-        run("plot", "mode", PACKING, bad, "-o", FOLDER / "no.svg", status=1)
-    assert not (FOLDER / "no.svg").exists()
-
-
 def command_lines():
     v = FOLDER / "v.h5"
     for words in (["--frequencies-only"], ["--stability"], ["--damping", 0.1], ["--mode", 80]):
@@ -295,14 +262,13 @@ def damage():
     refuse(copy)
     packing = FOLDER / "packing.h5"
     run("convert", PACKING, packing)
-    refuse(packing, "/modes")
+    refuse(packing, "packing")
 
 
 try:
     equation_of_motion()
     part_of_a_spectrum()
     spheres()
-    drawn_from_files()
     command_lines()
     forgeries()
     damage()

@@ -121,11 +121,9 @@ static void try_sample(const char *path) {
     for (int with_arrays = 0; with_arrays < 2; with_arrays++) {
         sp_h5 h;
         sp_record r;
-        sp_status status = sp_h5_open(&h, path, &err);
-        if (status == SP_OK)
-            status = sp_record_get(&h, with_arrays, &r, &err);
-        sp_h5_close(&h);
-        if (!guided_good(status, &err))
+        if (sp_h5_open(&h, path, &err) == SP_OK)
+            sp_record_get(&h, with_arrays, &r);
+        if (!guided_good(sp_h5_close(&h), &err))
             return;
         check_sample(&r.sample);
         must(r.arrays.signal.n >= 0 && r.arrays.modes >= 0);

@@ -1,9 +1,8 @@
 /* What a store keeps beside its samples: lines of its cache, records of failed samples, states of compressions. The
  * first byte chooses. A line gets the checksum that it needs: damage that the checksum finds reaches no parser. */
+#include "store/records.h"
 #include "base/base.h"
 #include "guided.h"
-#include "store/failure.h"
-#include "store/manifest.h"
 
 #include <sonopack/packing.h>
 #include <stdlib.h>

@@ -27,10 +27,10 @@ TEST(test_frequencies) {
     for (size_t q = 0; q < sizeof sizes / sizeof *sizes; q++)
         for (int vectors = 0; vectors < 2; vectors++) {
             const int n = sizes[q];
-            sp_network net = chain_network(n);
+            FREED(sp_network) net = chain_network(n);
             const long double top = 2 * sqrtl((long double)net.springs[0].kn / net.mass[0]);
             const sp_modes_options o = {.vectors = vectors, .source = SP_SOURCE_IMPULSE};
-            sp_modes m = sp_modes_none();
+            FREED(sp_modes) m = sp_modes_none();
             double worst = 0;
             assert_ok(sp_modes_dense(&net, &o, &m, &err));
             assert_int_equal(m.n, n);
@@ -42,17 +42,15 @@ TEST(test_frequencies) {
                 assert_relative(m.omega[k - 1], exact, 1e-13);
             }
             printf("N = %d, %s: worst relative error of a frequency %.2g\n", n, vectors ? "vectors" : "values", worst);
-            sp_modes_free(&m);
-            sp_network_free(&net);
         }
 }
 
 /* u_n(i) = sqrt(2/(N+1)) sin(n pi i/(N+1)). */
 TEST(test_vectors) {
     enum { N = 100 };
-    sp_network net = chain_network(N);
+    FREED(sp_network) net = chain_network(N);
     const sp_modes_options o = sp_modes_options_default();
-    sp_modes m = sp_modes_none();
+    FREED(sp_modes) m = sp_modes_none();
     assert_ok(sp_modes_dense(&net, &o, &m, &err));
     for (int n = 1; n <= N; n++) {
         const double *e = m.vectors + (n - 1) * N;
@@ -61,20 +59,18 @@ TEST(test_vectors) {
             overlap += e[i - 1] * sqrt(2.0 / (N + 1)) * sin((double)(n * PI * i / (N + 1)));
         assert_close(fabs(overlap), 1, 1e-12);
     }
-    sp_modes_free(&m);
-    sp_network_free(&net);
 }
 
 /* (C4), (C5): F(t) = K u_N(t) with a_n^A = 2/(N+1) cos(k_n/2) v/(...) for a kick of the first ball, and a_n^B = 2/(N+1)
  * sin(k_n) for its displacement; here kick and displacement are K instead of 1. */
 TEST(test_signal) {
     enum { N = 50, POINTS = 301 };
-    sp_network net = chain_network(N);
+    FREED(sp_network) net = chain_network(N);
     const long double stiffness = net.springs[0].kn, mass = net.mass[0], rate = sqrtl(stiffness / mass);
     for (int source = 0; source < 3; source++)
         for (int method = SP_SIGNAL_CHEBYSHEV; method <= SP_SIGNAL_DENSE; method++) {
             sp_signal_options o = sp_signal_options_default();
-            sp_signal s = sp_signal_none();
+            FREED(sp_signal) s = sp_signal_none();
             o.method = (sp_signal_method)method;
             o.source = (sp_source)source;
             o.until = 3 * N / (double)rate;
@@ -93,9 +89,7 @@ TEST(test_signal) {
                 }
                 assert_close(s.f[l], (double)f, s.error);
             }
-            sp_signal_free(&s);
         }
-    sp_network_free(&net);
 }
 
 /* Amplitude and width of the first front at N and 4 N balls: exponents gamma and alpha. */
@@ -103,17 +97,15 @@ static void exponents(sp_source source, int n, double *gamma, double *alpha) {
     sp_front front[2];
     for (int q = 0; q < 2; q++) {
         const int length = n << 2 * q;
-        sp_network net = chain_network(length);
+        FREED(sp_network) net = chain_network(length);
         sp_signal_options o = sp_signal_options_default();
-        sp_signal s = sp_signal_none();
+        FREED(sp_signal) s = sp_signal_none();
         const sp_front_options how = sp_front_options_default();
         o.source = source;
         o.until = (length + 8 * cbrt(length)) / sqrt(net.springs[0].kn / net.mass[0]);
         o.points = 4 * length;
         assert_ok(sp_signal_make(&net, &o, &s, &err));
         assert_ok(sp_front_find(s.n, s.t, s.f, &how, &front[q], &err));
-        sp_signal_free(&s);
-        sp_network_free(&net);
     }
     *gamma = -log2(front[1].amplitude / front[0].amplitude) / 2;
     *alpha = log2(front[1].width / front[0].width) / 2;

@@ -147,7 +147,7 @@ static void check_galilei(claims *c, const sp_pack_spec *spec, const sp_packing 
 /* In a mirror forces are vectors, and torques turn the other way, but for the axis of the mirror. */
 static void check_mirror(claims *c, const sp_pack_spec *spec, const sp_packing *p, int axis, const sp_random *draw) {
     sp_random one = *draw, two = *draw;
-    sp_packing q = mirrored(p, axis);
+    FREED(sp_packing) q = mirrored(p, axis);
     dynamics d = moving(spec, p), e = moving(spec, &q);
     double sign[6] = {1, 1, 1, 1, 1, 1};
     sign[axis] = -1;
@@ -173,7 +173,6 @@ static void check_mirror(claims *c, const sp_pack_spec *spec, const sp_packing *
     }
     sp_dynamics_free(&e);
     sp_dynamics_free(&d);
-    sp_packing_free(&q);
 }
 
 /* Both codes for the same state, over some steps. */
@@ -202,7 +201,7 @@ static void check_power(claims *c, const sp_pack_spec *spec, const sp_packing *p
     dynamics d = moving(spec, p);
     double *rest = forces_of(&d, 0), power = 0, size = 0;
     stir(&d, draw, pow(10, between(draw, -5, 0)));
-    double *f = forces_of(&d, 0);
+    RELEASED double *f = forces_of(&d, 0);
     for (int32_t i = 0; i < d.n; i++) {
         const double *g = dynamics_grain(&d, i);
         for (int a = 0; a < d.dim; a++) {
@@ -215,7 +214,6 @@ static void check_power(claims *c, const sp_pack_spec *spec, const sp_packing *p
         }
     }
     claims_check(c, "dashpots take energy", power, 1000 * DBL_EPSILON * size);
-    free(f);
     free(rest);
     sp_dynamics_free(&d);
 }
@@ -321,7 +319,7 @@ static void check_energy(claims *c, const sp_pack_spec *given, const sp_packing 
 /* ---- scenes ----------------------------------------------------------------------------------------------------- */
 
 static void run(claims *c, sp_random *draw) {
-    sp_packing p = crowd(draw);
+    FREED(sp_packing) p = crowd(draw);
     const sp_pack_spec spec = spec_of(&p, draw);
     char words[120];
     snprintf(words, sizeof words, "%dD, cell %d, %d grains, friction %g, reference %d, history %d", p.dim, (int)p.cell,
@@ -333,7 +331,6 @@ static void run(claims *c, sp_random *draw) {
     check_codes(c, &spec, &p, draw);
     check_energy(c, &spec, &p, draw);
     check_power(c, &spec, &p, draw);
-    sp_packing_free(&p);
 }
 
 TEST(test_motion) {

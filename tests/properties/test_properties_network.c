@@ -127,12 +127,11 @@ static bool check_modes(claims *c, const sp_network *net, const exact *x) {
         check_frequencies(c, "frequencies, exact", &dense, x);
     for (int solver = SP_SOLVER_LANCZOS; solver <= SP_SOLVER_ARPACK; solver++) {
         const sp_modes_range all = sp_modes_range_all();
-        sp_modes m = sp_modes_none();
+        FREED(sp_modes) m = sp_modes_none();
         o.solver = (sp_modes_solver)solver;
         o.vectors = solver == SP_SOLVER_LANCZOS;
         if (claims_served(c, "modes, sparse", sp_modes_sparse(net, &o, &all, &m, &why), &why))
             check_agree(c, "frequencies of two solvers", &m, &dense);
-        sp_modes_free(&m);
     }
     if (claims_served(c, "zero modes", sp_zero_modes_count(net, &zero, &why), &why)) {
         claims_true(c, "zero modes are counted", zero.total == dense.n_zero);
@@ -150,7 +149,7 @@ static void check_density(claims *c, const sp_network *net) {
     static const sp_dos_method methods[] = {SP_DOS_EXACT, SP_DOS_COUNT};
     for (int k = 0; k < 2; k++) {
         sp_dos_options o = sp_dos_options_default();
-        sp_dos d = sp_dos_none();
+        FREED(sp_dos) d = sp_dos_none();
         sp_error why = {0};
         o.method = methods[k];
         o.norm = SP_DOS_MODES;
@@ -160,7 +159,6 @@ static void check_density(claims *c, const sp_network *net) {
             claims_check(c, "density integrates to the modes", fabs(d.cumulative[6] - modes),
                          d.cumulative_error[6] + 1e-14 * (double)d.modes);
         }
-        sp_dos_free(&d);
     }
 }
 
@@ -196,7 +194,7 @@ static double time_of(const sp_signal_options *o, int k) {
 static void check_methods(claims *c, const sp_network *net, const ends *e, sp_signal_options o) {
     static const sp_signal_method methods[] = {SP_SIGNAL_CHEBYSHEV,    SP_SIGNAL_DENSE, SP_SIGNAL_VERLET,
                                                SP_SIGNAL_LAX_WENDROFF, SP_SIGNAL_FABER, SP_SIGNAL_SPARSE};
-    sp_network dashpots = sp_network_none();
+    FREED(sp_network) dashpots = sp_network_none();
     double *dash = NULL, exactly[POINTS], before = 0;
     sp_error why = {0};
     const size_t n = (size_t)sp_network_dofs(net);
@@ -216,7 +214,7 @@ static void check_methods(claims *c, const sp_network *net, const ends *e, sp_si
     }
     motion_end(&m);
     for (int k = 0; k < 6; k++) {
-        sp_signal s = sp_signal_none();
+        FREED(sp_signal) s = sp_signal_none();
         o.method = methods[k];
         o.step = k == 2 || k == 3 ? 0.05 / net->omega_bound : 0; /* its bound is told, whatever the tolerance */
         if ((o.damping > 0 && o.method != SP_SIGNAL_FABER) ||
@@ -225,10 +223,8 @@ static void check_methods(claims *c, const sp_network *net, const ends *e, sp_si
         for (int q = 0; q < POINTS; q++)
             claims_check(c, sp_signal_method_name(o.method), s.t[q] == time_of(&o, q) ? fabs(s.f[q] - exactly[q]) : NAN,
                          s.errors[0]);
-        sp_signal_free(&s);
     }
     free(dash);
-    sp_network_free(&dashpots);
 }
 
 /* Nothing is seen before terms of the order of the distance in contacts: b A^j a = 0 up to there. */
@@ -272,8 +268,8 @@ static void check_causality(claims *c, const sp_network *net, const ends *e, con
 /* Sources and detectors add up: grain by grain to the whole walls. */
 static void check_walls(claims *c, const sp_network *net, sp_signal_options o) {
     const int32_t n = net->n;
-    sp_place *grain = calloc((size_t)n + 1, sizeof *grain);
-    sp_signal all = sp_signal_none(), each = sp_signal_none();
+    RELEASED sp_place *grain = calloc((size_t)n + 1, sizeof *grain);
+    FREED(sp_signal) all = sp_signal_none(), each = sp_signal_none();
     sp_error why = {0};
     int32_t count = 0;
     const sp_place wall = sp_place_wall();
@@ -299,9 +295,6 @@ static void check_walls(claims *c, const sp_network *net, sp_signal_options o) {
                 claims_check(c, "superposition", fabs(sum - all.f[q]), slack * (1 + count * DBL_EPSILON));
             }
     }
-    sp_signal_free(&each);
-    sp_signal_free(&all);
-    free(grain);
 }
 
 /* Bound of the rate at which dashpots of the value 1 act. */
@@ -317,7 +310,7 @@ static double decay_of(const sp_network *net, sp_damping_kind kind, double ratio
 static void check_signals(claims *c, const sp_network *net, sp_random *draw) {
     static const double lengths[] = {1, 3, 10, 30, 100, 300};
     sp_signal_options o = sp_signal_options_default();
-    sp_signal s = sp_signal_none();
+    FREED(sp_signal) s = sp_signal_none();
     sp_error why = {0};
     ends e;
     o.source = (sp_source)whole(draw, 0, 2);
@@ -340,7 +333,6 @@ static void check_signals(claims *c, const sp_network *net, sp_random *draw) {
     o.damping = 0;
     if (claims_served(c, "signal", sp_signal_make(net, &o, &s, &why), &why))
         check_causality(c, net, &e, &o, &s);
-    sp_signal_free(&s);
     free(e.sent);
 }
 
@@ -387,9 +379,9 @@ static void check_driven(claims *c, const sp_network *net, sp_random *draw) {
     const double omega[3] = {net->omega_bound * between(draw, 0.01, 0.2), net->omega_bound * between(draw, 0.2, 0.9),
                              net->omega_bound * between(draw, 1, 2)};
     sp_harmonic_options o = sp_harmonic_options_default();
-    sp_harmonic h = sp_harmonic_none();
-    sp_network dashpots = sp_network_none();
-    double *dash = NULL;
+    FREED(sp_harmonic) h = sp_harmonic_none();
+    FREED(sp_network) dashpots = sp_network_none();
+    RELEASED double *dash = NULL;
     sp_error why = {0};
     ends e;
     if (net->carried || !some_ends(c, net, draw, SP_SOURCE_IMPULSE, &e))
@@ -412,9 +404,6 @@ static void check_driven(claims *c, const sp_network *net, sp_random *draw) {
             if (!isnan(h.f[2 * k]))
                 claims_check(c, "driven", (double)cabsl(h.f[2 * k] + I * h.f[2 * k + 1] - f), h.error[k]);
         }
-    sp_harmonic_free(&h);
-    sp_network_free(&dashpots);
-    free(dash);
     free(e.sent);
 }
 
@@ -545,7 +534,7 @@ static void check_sensitivity(claims *c, const sp_network *net, sp_random *draw)
     sp_sensitivity_options o = sp_sensitivity_options_default();
     const double t = between(draw, 0.1, 20) / net->omega_bound, w = 1;
     const sp_functional f = {.n = 1, .t = &t, .weight = &w};
-    sp_gradient g = sp_gradient_none();
+    FREED(sp_gradient) g = sp_gradient_none();
     sp_error why = {0};
     ends e;
     o.source = (sp_source)whole(draw, 0, 2);
@@ -555,7 +544,6 @@ static void check_sensitivity(claims *c, const sp_network *net, sp_random *draw)
     o.to = &e.to;
     if (claims_served(c, "sensitivity", sp_sensitivity_signal(net, &o, 1, &f, &g, &why), &why))
         check_homogeneity(c, net, &g);
-    sp_gradient_free(&g);
     free(e.sent);
 }
 
@@ -579,7 +567,7 @@ static void disturb(sp_network *net, sp_random *draw) {
 
 static void run(claims *c, sp_random *draw) {
     scene s = scene_draw(draw, GRAINS);
-    sp_network net = sp_network_none();
+    FREED(sp_network) net = sp_network_none();
     sp_error why = {0};
     c->words = s.words;
     if (sp_packing_check(&s.p, &why) == SP_OK &&
@@ -587,7 +575,7 @@ static void run(claims *c, sp_random *draw) {
         if (chance(draw, 0.3) && !net.prestress)
             disturb(&net, draw);
         const bool small = sp_network_dofs(&net) <= EXACT_MOST && !net.carried && STRESS_QUAD;
-        exact x = {0};
+        FREED(exact) x = {0};
         if (small)
             x = exact_solve(&net);
         check_stiffness(c, &net, draw);
@@ -603,9 +591,7 @@ static void run(claims *c, sp_random *draw) {
         check_sensitivity(c, &net, draw);
         if (!stable)
             check_field(c, &net, draw);
-        exact_free(&x);
     }
-    sp_network_free(&net);
     sp_packing_free(&s.p);
 }
 

@@ -86,7 +86,7 @@ static void check_strain(claims *c, const sp_packing *p, const sp_network *net) 
 /* The nonlinear motion of a small amplitude is the linear one: the difference falls as the amplitude. */
 static void check_small(claims *c, const sp_packing *p, const sp_network *net) {
     sp_signal_options o = sp_signal_options_default();
-    sp_signal linear = sp_signal_none(), real = sp_signal_none();
+    FREED(sp_signal) linear = sp_signal_none(), real = sp_signal_none();
     sp_error why = {0};
     double peak = 0, off = 0;
     o.until = 30 / net->omega_bound;
@@ -103,8 +103,6 @@ static void check_small(claims *c, const sp_packing *p, const sp_network *net) {
         }
         claims_check(c, "small amplitude is linear", off, 2 * real.error + linear.error + 100 * o.amplitude * peak);
     }
-    sp_signal_free(&real);
-    sp_signal_free(&linear);
 }
 
 /* Contacts that are within 1% of Coulomb's limit slide at any amplitude. */
@@ -119,7 +117,7 @@ static bool sticks(const sp_packing *p) {
 
 static void run(claims *c, sp_random *draw) {
     const sp_pack_spec s = spec_draw(draw);
-    sp_packing p = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none();
     sp_error why = {0};
     char words[200];
     snprintf(words, sizeof words, "%dD, cell %d, %d grains, p %g, friction %g, protocol %d, d %g, gravity %g, seed %d",
@@ -135,7 +133,7 @@ static void run(claims *c, sp_random *draw) {
     claims_true(c, "made", status == SP_OK);
     check_rest(c, &s, &p);
     sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
+    FREED(sp_network) net = sp_network_none();
     o.prestress = true;
     o.threshold = 0;
     if (claims_served(c, "network", sp_network_make(&p, &o, &net, &why), &why)) {
@@ -144,8 +142,6 @@ static void run(claims *c, sp_random *draw) {
             check_small(c, &p, &net);
         }
     }
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_packed) {

@@ -192,7 +192,7 @@ static void views(claims *c, const sp_packing *p, const sp_network_options *how,
     const view same = {"", {0, 1, 2}, {1, 1, 1}, 1, false, false};
     const double until = between(draw, 1, 60);
     const bool straight = p->tilt[0] == 0 && p->tilt[1] == 0 && p->tilt[2] == 0;
-    int32_t *to = calloc((size_t)p->n, sizeof *to);
+    RELEASED int32_t *to = calloc((size_t)p->n, sizeof *to);
     measured a = measure(p, how, until, 1);
     view v = same;
     for (int axis = 0; axis < p->dim; axis++) {
@@ -223,7 +223,6 @@ static void views(claims *c, const sp_packing *p, const sp_network_options *how,
     v.unit = 4;
     look(c, p, scaled(p, 4), how, until, &a, v);
     measured_free(&a);
-    free(to);
 }
 
 static void run(claims *c, sp_random *draw) {

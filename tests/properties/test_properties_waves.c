@@ -67,13 +67,12 @@ static void check_signals(claims *c, const sp_network *net, sp_random *draw) {
     o.tolerance = 1e-3;
     o.until = one_of(draw, 5, lengths) / net->omega_bound;
     for (int k = 0; k < 3 && o.sources > 0 && o.detectors > 0; k++) {
-        sp_signal s = sp_signal_none();
+        FREED(sp_signal) s = sp_signal_none();
         o.method = methods[k];
         if (k == 2 && n > 120 && !chance(draw, 0.2))
             continue;
         if (claims_served(c, sp_signal_method_name(o.method), sp_signal_make(net, &o, &s, &why), &why))
             check_pairs(c, net, &o, &s, sent, seen, sp_signal_method_name(o.method));
-        sp_signal_free(&s);
     }
     free(sent);
 }
@@ -141,7 +140,7 @@ static void check_derivatives(claims *c, const sp_network *net, sp_random *draw)
     const double t = between(draw, 1, 20) / net->omega_bound, w = 1;
     const sp_functional f = {.n = 1, .t = &t, .weight = &w};
     sp_sensitivity_options o = sp_sensitivity_options_default();
-    sp_gradient g = sp_gradient_none();
+    FREED(sp_gradient) g = sp_gradient_none();
     sp_error why = {0};
     double *by = directions(net, draw), sum = 0, slack = 0, one, two, e1, e2;
     const sp_place from = scene_spot(net, draw), to = scene_spot(net, draw);
@@ -161,7 +160,6 @@ static void check_derivatives(claims *c, const sp_network *net, sp_random *draw)
         claims_check(c, "derivatives by differences", fabs(sum - (4 * two - one) / 3),
                      slack + 2 * (e1 + e2) + 0.01 * fabs(two - one));
     }
-    sp_gradient_free(&g);
     free(by);
 }
 
@@ -192,9 +190,9 @@ static bool tridiagonal(int n, const extended *k) {
 static void check_chain(claims *c, const sp_network *net) {
     const int n = (int)sp_network_dofs(net);
     sp_modes_options o = sp_modes_options_default();
-    sp_modes m = sp_modes_none();
+    FREED(sp_modes) m = sp_modes_none();
     sp_error why = {0};
-    extended *k = motion_matrix(net);
+    RELEASED extended *k = motion_matrix(net);
     if (tridiagonal(n, k) && claims_served(c, "modes of a chain", sp_modes_dense(net, &o, &m, &why), &why))
         for (int64_t q = 0; q < n && m.n - m.n_rattler == n; q++) {
             const extended w = m.omega[m.n_rattler + q], e = m.error[m.n_rattler + q];
@@ -202,18 +200,16 @@ static void check_chain(claims *c, const sp_network *net) {
             claims_true(c, "modes of a chain",
                         (low <= 0 || below(n, k, low * low - slack) <= q) && below(n, k, high * high + slack) > q);
         }
-    sp_modes_free(&m);
-    free(k);
 }
 
 /* ---- spectra ---------------------------------------------------------------------------------------------------- */
 
 /* From wall to wall and back: the same spectrum, where source and detector have changed their places. */
 static void check_back(claims *c, const scene *s, const sp_network *net) {
-    sp_packing turned = mirrored(&s->p, s->p.dim - 1);
-    sp_network back = sp_network_none();
+    FREED(sp_packing) turned = mirrored(&s->p, s->p.dim - 1);
+    FREED(sp_network) back = sp_network_none();
     sp_transmission_options o = sp_transmission_options_default();
-    sp_transmission one = {0}, two = {0};
+    FREED(sp_transmission) one = {0}, two = {0};
     sp_error why = {0};
     o.points = 20;
     assert_ok(sp_network_make(&turned, &s->how, &back, &err));
@@ -225,10 +221,6 @@ static void check_back(claims *c, const scene *s, const sp_network *net) {
             claims_check(c, "transmission there and back", fabs(one.re[k] - two.re[k]), one.error[k] + two.error[k]);
             claims_check(c, "transmission there and back", fabs(one.im[k] - two.im[k]), one.error[k] + two.error[k]);
         }
-    sp_transmission_free(&one);
-    sp_transmission_free(&two);
-    sp_network_free(&back);
-    sp_packing_free(&turned);
 }
 
 /* ---- scenes ----------------------------------------------------------------------------------------------------- */
@@ -241,7 +233,7 @@ static scene some_scene(sp_random *draw) {
 
 static void run(claims *c, sp_random *draw) {
     scene s = some_scene(draw);
-    sp_network net = sp_network_none();
+    FREED(sp_network) net = sp_network_none();
     sp_error why = {0};
     c->words = s.words;
     if (sp_packing_check(&s.p, &why) == SP_OK &&
@@ -252,7 +244,6 @@ static void run(claims *c, sp_random *draw) {
         if (net.dim == 1)
             check_chain(c, &net);
     }
-    sp_network_free(&net);
     sp_packing_free(&s.p);
 }
 
@@ -268,7 +259,7 @@ static void buckle(claims *c, sp_random *draw) {
     const int rhombs = whole(draw, 2, 6), n = 3 * rhombs + 1;
     const double aside = pow(10, between(draw, -14, -6)), apart = between(draw, 0.9, 0.97), half = sqrt(0.75) * apart;
     scene s = {.p = sp_packing_none(), .how = sp_network_options_default()};
-    sp_network net = sp_network_none();
+    FREED(sp_network) net = sp_network_none();
     sp_error why = {0};
     assert_ok(sp_packing_alloc(&s.p, 2, n, 0, &err));
     s.p.box[0] = 4;
@@ -291,7 +282,6 @@ static void buckle(claims *c, sp_random *draw) {
             check_signals(c, &net, draw);
             check_field(c, &net, draw);
         }
-    sp_network_free(&net);
     sp_packing_free(&s.p);
 }
 

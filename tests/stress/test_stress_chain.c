@@ -36,13 +36,13 @@ static exact solve_chain(int n, double wall) {
     return x;
 }
 
-/* The worst time against the promised bound; that of the sum over modes is 1e-15 (1 + t). */
+/* The worst time against the promised bound. */
 static void compare_signal(stress_record *r, const char *network, const char *what, const sp_chain *chain,
                            const double *t, const double *f, const quad *want) {
     double error = 0, reported = 1;
     for (int l = 0; l < TIMES; l++) {
         const double off = (double)quad_abs(f[l] - want[l]);
-        const double bound = chain ? sp_chain_signal_error(chain, t[l]) : 1e-15 * (1 + t[l]);
+        const double bound = sp_chain_signal_error(chain, t[l]);
         if (!(off / bound <= error / reported)) {
             error = off;
             reported = bound;
@@ -53,7 +53,7 @@ static void compare_signal(stress_record *r, const char *network, const char *wh
 
 static void run(stress_record *r, int n, double wall) {
     const double t[TIMES] = {0, 1e-3, 0.7, n, 2.3 * n + 1, 10 * n + 3, 1e3, 2e4, 3e5};
-    exact x = solve_chain(n, wall);
+    FREED(exact) x = solve_chain(n, wall);
     double f[TIMES], worst = 0;
     quad want[TIMES];
     char network[48];
@@ -72,8 +72,6 @@ static void run(stress_record *r, int n, double wall) {
             continue;
         assert_ok(sp_chain_signal(n, (sp_chain_source)source, TIMES, t, f, &err));
         compare_signal(r, network, "signal, equal springs", &chain, t, f, want);
-        assert_ok(sp_chain_modal(n, (sp_chain_source)source, TIMES, t, f, &err));
-        compare_signal(r, network, "sum over modes", NULL, t, f, want);
     }
     for (int m = 1; m <= n && wall >= 1 && wall <= 1; m++) {
         const quad omega = quad_sqrt(x.lambda[m - 1]);
@@ -81,7 +79,6 @@ static void run(stress_record *r, int n, double wall) {
     }
     if (wall >= 1 && wall <= 1)
         stress_agree(r, network, "chain", "frequencies, relative", worst, 5e-16, 1);
-    exact_free(&x);
 }
 
 TEST(test_chains) {

@@ -91,8 +91,8 @@ static void exact_damped(const sp_network *net, const sp_network *dashpots, bool
 
 static void run(stress_record *r, const stress_case *c, const sp_network *net, double zeta, double length) {
     sp_signal_options o = sp_signal_options_default();
-    sp_signal s = sp_signal_none();
-    sp_network dashpots = sp_network_none();
+    FREED(sp_signal) s = sp_signal_none();
+    FREED(sp_network) dashpots = sp_network_none();
     sp_error err = {0};
     char what[80];
     snprintf(what, sizeof what, "damping %g, T = %.0e", zeta, length);
@@ -116,8 +116,6 @@ static void run(stress_record *r, const stress_case *c, const sp_network *net, d
     }
     stress_agree(r, c->name, sp_signal_method_name(s.method), what, (double)worst, s.errors[0],
                  peak > 0 ? (double)peak : 1);
-    sp_network_free(&dashpots);
-    sp_signal_free(&s);
 }
 
 /* Some of the networks: an exponential takes seconds. */
@@ -130,11 +128,10 @@ TEST(test_damped) {
             if (strcmp(stress_cases[k].name, names[q]) != 0)
                 continue;
             stress_cells = 3; /* 27 degrees of freedom */
-            sp_network net = stress_cases[k].make(stress_cases[k].value, 1);
+            FREED(sp_network) net = stress_cases[k].make(stress_cases[k].value, 1);
             run(&r, &stress_cases[k], &net, 0.1, 30);
             run(&r, &stress_cases[k], &net, 1, 200);
             run(&r, &stress_cases[k], &net, 1e-3, 2000);
-            sp_network_free(&net);
         }
     stress_close(&r);
     assert_int_equal(r.wrong, 0);

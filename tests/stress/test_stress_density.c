@@ -50,7 +50,7 @@ static void chebyshev(int64_t moments, quad square, quad *t) {
 /* The smooth density at the middle of each bin; zero: with the zero modes. */
 static void exact_smooth(const exact *x, const sp_dos *d, bool zero, double *out) {
     const size_t n = (size_t)d->moments;
-    double *g = calloc(n, sizeof *g);
+    RELEASED double *g = calloc(n, sizeof *g);
     quad *t = calloc(n, sizeof *t), *mu = calloc(n, sizeof *mu);
     const quad omega = d->omega_max;
     sp_moments_jackson(d->moments, g);
@@ -67,7 +67,6 @@ static void exact_smooth(const exact *x, const sp_dos *d, bool zero, double *out
             sum += 2 * g[k] * mu[k] * t[k];
         out[b] = (double)(4 * sum / (quad_turn() * omega * quad_sqrt(1 - s * s)));
     }
-    free(g);
     free(t);
     free(mu);
 }
@@ -121,9 +120,9 @@ static sp_status run_one(stress_record *r, const char *network, const sp_network
 static void run(stress_record *r, const char *network, const sp_network *net, hits *h) {
     static const sp_dos_method methods[] = {SP_DOS_EXACT, SP_DOS_COUNT, SP_DOS_KPM};
     static const char *const names[] = {"exact", "count", "kpm"};
-    exact x = exact_solve(net);
+    FREED(exact) x = exact_solve(net);
     for (int q = 0; q < 3; q++) {
-        sp_dos d = sp_dos_none();
+        FREED(sp_dos) d = sp_dos_none();
         if (run_one(r, network, net, methods[q], names[q], &d) != SP_OK)
             continue;
         if (methods[q] == SP_DOS_KPM)
@@ -132,9 +131,7 @@ static void run(stress_record *r, const char *network, const sp_network *net, hi
             compare_counts(r, network, names[q], &d, &x);
         if (methods[q] == SP_DOS_EXACT)
             compare_smooth(r, network, &d, &x);
-        sp_dos_free(&d);
     }
-    exact_free(&x);
 }
 
 TEST(test_hard_networks) {
@@ -143,9 +140,8 @@ TEST(test_hard_networks) {
     stress_record r = stress_open();
     hits h = {0};
     for (int k = 0; k < STRESS_CASES; k += EVERY) {
-        sp_network net = stress_cases[k].make(stress_cases[k].value, 1);
+        FREED(sp_network) net = stress_cases[k].make(stress_cases[k].value, 1);
         run(&r, stress_cases[k].name, &net, &h);
-        sp_network_free(&net);
     }
     stress_close(&r);
     print_message("random vectors: %d densities, %.3f within one standard error, %.3f within three\n", h.compared,

@@ -89,11 +89,10 @@ static driven_case make_case(const sp_network *net, const sp_harmonic *h, double
     assert_ok(sp_network_source_at(net, SP_SOURCE_IMPULSE, &wall, d.source, &err));
     assert_true(make_rows(net, h, d.springs));
     if (zeta > 0) {
-        sp_network dashpots = sp_network_none();
+        FREED(sp_network) dashpots = sp_network_none();
         assert_ok(sp_network_damping(net, zeta, &dashpots, &err));
         d.c = exact_stiffness(&dashpots);
         assert_true(make_rows(&dashpots, h, d.dashpots));
-        sp_network_free(&dashpots);
     }
     return d;
 }
@@ -146,7 +145,7 @@ static void compare(stress_record *r, const char *network, const char *what, con
 static void run_one(stress_record *r, const char *network, const sp_network *net, double zeta, double omega,
                     const char *where) {
     sp_harmonic_options o = sp_harmonic_options_default();
-    sp_harmonic h = sp_harmonic_none();
+    FREED(sp_harmonic) h = sp_harmonic_none();
     sp_error err = {0};
     char what[80];
     snprintf(what, sizeof what, "zeta = %g, %s", zeta, where);
@@ -163,7 +162,6 @@ static void run_one(stress_record *r, const char *network, const sp_network *net
     driven_case d = make_case(net, &h, zeta);
     compare(r, network, what, &d, 0);
     free_case(&d);
-    sp_harmonic_free(&h);
 }
 
 /* Frequencies in a gap of the spectrum, beside a mode, far below all and above all. */
@@ -194,9 +192,9 @@ TEST(test_hard_networks) {
     stress_record r = stress_open();
     for (int k = 0; k < STRESS_CASES; k++) {
         const stress_case *c = &stress_cases[k];
-        sp_network net = c->make(c->value, 1);
+        FREED(sp_network) net = c->make(c->value, 1);
         const sp_modes_options o = {.vectors = false};
-        sp_modes m = sp_modes_none();
+        FREED(sp_modes) m = sp_modes_none();
         double *scratch = calloc((size_t)sp_network_dofs(&net), sizeof *scratch);
         sp_error err = {0};
         const bool walls = sp_network_source(&net, SP_SOURCE_IMPULSE, scratch, &err) == SP_OK &&
@@ -204,8 +202,6 @@ TEST(test_hard_networks) {
         free(scratch);
         if (walls && sp_modes_dense(&net, &o, &m, &err) == SP_OK && m.n_zero < m.n)
             run(&r, c, &net, &m, (uint64_t)k);
-        sp_modes_free(&m);
-        sp_network_free(&net);
     }
     stress_close(&r);
     assert_true(r.agreed > 100);

@@ -29,10 +29,10 @@ static sp_status make_signal(const sp_packing *p, const sp_network *net, const t
 }
 
 static void run(stress_record *r, const trial *t, count *c) {
-    sp_packing p = stress_piston(t->pressure, t->friction, t->seed);
+    FREED(sp_packing) p = stress_piston(t->pressure, t->friction, t->seed);
     sp_network_options how = sp_network_options_default();
-    sp_network net = sp_network_none();
-    sp_signal s = sp_signal_none(), fine = sp_signal_none();
+    FREED(sp_network) net = sp_network_none();
+    FREED(sp_signal) s = sp_signal_none(), fine = sp_signal_none();
     char network[64], what[64];
     how.prestress = true;
     assert_ok(sp_network_make(&p, &how, &net, &err));
@@ -56,10 +56,6 @@ static void run(stress_record *r, const trial *t, count *c) {
         r->refused++;
     else
         stress_refuse(r, network, "dynamics", what, status, &reason);
-    sp_signal_free(&fine);
-    sp_signal_free(&s);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_packings) {

@@ -40,7 +40,7 @@ static bool has_walls(const sp_network *net) {
 
 /* Frequencies alone take another reduction, and the soft ones another solver, than those with vectors. */
 static void compare_dense(stress_record *r, const char *network, const sp_network *net, const sp_modes *d) {
-    sp_modes v = sp_modes_none();
+    FREED(sp_modes) v = sp_modes_none();
     sp_error err = {0};
     if (!has_walls(net))
         return;
@@ -49,12 +49,11 @@ static void compare_dense(stress_record *r, const char *network, const sp_networ
         compare_modes(r, network, "dense", "frequencies", d, &v);
     else
         stress_refuse(r, network, "dense", "vectors", status, &err);
-    sp_modes_free(&v);
 }
 
 static void run_modes(stress_record *r, const char *network, const sp_network *net) {
     const sp_modes_options o = {.vectors = false, .source = SP_SOURCE_IMPULSE};
-    sp_modes d = sp_modes_none();
+    FREED(sp_modes) d = sp_modes_none();
     sp_error err = {0};
     sp_status status = dense_of(net, false, &d, &err);
     if (status != SP_OK) {
@@ -77,7 +76,7 @@ static void run_modes(stress_record *r, const char *network, const sp_network *n
                  {"lowest 40", sp_modes_range_lowest(40)},
                  {"band", sp_modes_range_band((omega[low - 1] + omega[low]) / 2, (omega[high - 1] + omega[high]) / 2)}};
     for (int q = 0; q < 3; q++) {
-        sp_modes m = sp_modes_none();
+        FREED(sp_modes) m = sp_modes_none();
         status = sp_modes_sparse(net, &o, &parts[q].range, &m, &err);
         if (status != SP_OK)
             stress_refuse(r, network, "sparse", parts[q].name, status, &err);
@@ -87,9 +86,7 @@ static void run_modes(stress_record *r, const char *network, const sp_network *n
             stress_agree(r, network, "sparse", "count", fabs((double)(m.n - d.n)), 0, 1);
         if (status == SP_OK && q == 2) /* the limits are far from modes, or a mode on the edge is told */
             stress_agree(r, network, "sparse", "count", fabs((double)(m.n - (high - low))), (double)m.on_edge, 1);
-        sp_modes_free(&m);
     }
-    sp_modes_free(&d);
 }
 
 static void run_signals(stress_record *r, const char *network, const sp_network *net, double length, double tolerance) {
@@ -111,7 +108,7 @@ static void run_signals(stress_record *r, const char *network, const sp_network 
     static const sp_signal_method all[] = {SP_SIGNAL_AUTO,   SP_SIGNAL_CHEBYSHEV, SP_SIGNAL_DENSE,
                                            SP_SIGNAL_SPARSE, SP_SIGNAL_FABER,     SP_SIGNAL_LAX_WENDROFF};
     for (size_t q = 0; q < sizeof all / sizeof *all; q++) {
-        sp_signal s = sp_signal_none();
+        FREED(sp_signal) s = sp_signal_none();
         double worst = 0;
         o.method = all[q];
         if ((o.method == SP_SIGNAL_LAX_WENDROFF || o.method == SP_SIGNAL_SPARSE) && tolerance < 1e-6)
@@ -124,7 +121,6 @@ static void run_signals(stress_record *r, const char *network, const sp_network 
         for (int l = 0; l < POINTS; l++)
             worst = fmax(worst, fabs(s.f[l] - f[l]));
         stress_agree(r, network, sp_signal_method_name(s.method), what, worst, s.errors[0], peak > 0 ? peak : 1);
-        sp_signal_free(&s);
     }
 }
 
@@ -144,12 +140,11 @@ TEST(test_large) {
         char name[96];
         if (!chosen(c))
             continue;
-        sp_network net = c->make(c->value, 1);
+        FREED(sp_network) net = c->make(c->value, 1);
         snprintf(name, sizeof name, "%s, %d dof", c->name, (int)sp_network_dofs(&net));
         run_modes(&r, name, &net);
         run_signals(&r, name, &net, 300, 1e-6);
         run_signals(&r, name, &net, 100, 1e-9);
-        sp_network_free(&net);
     }
     stress_close(&r);
     assert_int_equal(r.wrong, 0);

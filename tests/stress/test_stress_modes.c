@@ -57,7 +57,7 @@ static void run_dense(stress_record *r, const stress_case *c, const sp_network *
     const sp_modes_options o = {.vectors = vectors, .source = SP_SOURCE_IMPULSE};
     const char *method = vectors ? "dense" : "dense, frequencies";
     double *scratch = calloc((size_t)x->n, sizeof *scratch);
-    sp_modes m = sp_modes_none();
+    FREED(sp_modes) m = sp_modes_none();
     sp_error err = {0};
     /* amplitudes need both walls */
     const bool walls = sp_network_source(net, SP_SOURCE_IMPULSE, scratch, &err) == SP_OK &&
@@ -73,7 +73,6 @@ static void run_dense(stress_record *r, const stress_case *c, const sp_network *
     compare(r, c->name, method, &m, x);
     if (vectors)
         compare_vectors(r, c->name, method, net, &m, x);
-    sp_modes_free(&m);
 }
 
 /* The exact modes first .. first+count-1 are those of the set, each within its error, and it says that none is missing
@@ -120,25 +119,22 @@ static void run_sparse(stress_record *r, const stress_case *c, const sp_network 
                  {"lowest third", {.lowest = most - zeros, .zero = true}, 0, most},
                  {"band", sp_modes_range_band(low, high), from, to - from}};
     for (int q = 0; q < 3; q++) {
-        sp_modes m = sp_modes_none();
+        FREED(sp_modes) m = sp_modes_none();
         sp_error err = {0};
         const sp_status status = sp_modes_sparse(net, &o, &parts[q].range, &m, &err);
         if (status != SP_OK)
             stress_refuse(r, c->name, "sparse", parts[q].name, status, &err);
         else
             compare_part(r, c->name, parts[q].name, &m, x, parts[q].first, parts[q].count);
-        sp_modes_free(&m);
     }
 }
 
 static void run_case(stress_record *r, const stress_case *c, uint64_t seed) {
-    sp_network net = c->make(c->value, seed);
-    exact x = exact_solve(&net);
+    FREED(sp_network) net = c->make(c->value, seed);
+    FREED(exact) x = exact_solve(&net);
     run_dense(r, c, &net, &x, true);
     run_dense(r, c, &net, &x, false);
     run_sparse(r, c, &net, &x);
-    exact_free(&x);
-    sp_network_free(&net);
 }
 
 TEST(test_modes) {

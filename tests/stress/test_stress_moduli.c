@@ -28,7 +28,7 @@ static quad area_of(const sp_network *net) {
 /* C_ab = (sum k d_a d_b - f_a . K^+ f_b)/V, with f = -B^T k d and the pseudo-inverse from the eigenvectors. */
 static void exact_moduli(const sp_network *net, const exact *x, quad c[STRAINED][STRAINED]) {
     const int n = x->n, dof = net->dof, strains = strains_of(net);
-    quad *f = calloc((size_t)(STRAINED * n), sizeof *f);
+    RELEASED quad *f = calloc((size_t)(STRAINED * n), sizeof *f);
     memset(c, 0, sizeof(quad) * STRAINED * STRAINED);
     for (int k = 0; k < net->n_springs; k++) {
         const sp_spring *s = &net->springs[k];
@@ -62,7 +62,6 @@ static void exact_moduli(const sp_network *net, const exact *x, quad c[STRAINED]
     for (int a = 0; a < strains; a++)
         for (int b = 0; b <= a; b++)
             c[b][a] = c[a][b] = c[a][b] / volume;
-    free(f);
 }
 
 /* Compares every modulus of a network, unless it is refused. Returns the largest error over the largest modulus. */
@@ -101,9 +100,8 @@ static double compare(stress_record *r, const char *name, const sp_network *net)
 TEST(test_moduli) {
     stress_record r = stress_open();
     for (int k = 0; k < STRESS_CASES; k++) {
-        sp_network net = stress_cases[k].make(stress_cases[k].value, 1);
+        FREED(sp_network) net = stress_cases[k].make(stress_cases[k].value, 1);
         compare(&r, stress_cases[k].name, &net);
-        sp_network_free(&net);
     }
     stress_close(&r);
     assert_int_equal(r.wrong, 0);
@@ -179,9 +177,8 @@ TEST(test_mechanisms) {
     stress_record r = stress_open();
     for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
         for (uint64_t seed = 1; seed <= 3; seed++) {
-            sp_network net = cases[k].make(cases[k].value, seed);
+            FREED(sp_network) net = cases[k].make(cases[k].value, seed);
             assert_true(compare(&r, cases[k].name, &net) < 1e-9);
-            sp_network_free(&net);
         }
     stress_close(&r);
     assert_int_equal(r.wrong, 0);

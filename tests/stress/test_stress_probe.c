@@ -151,14 +151,12 @@ TEST(test_hard_networks) {
     stress_record r = stress_open();
     for (int k = 0; k < STRESS_CASES; k++) {
         const stress_case *c = &stress_cases[k];
-        sp_network net = c->make(c->value, 1);
-        exact x = exact_solve(&net);
+        FREED(sp_network) net = c->make(c->value, 1);
+        FREED(exact) x = exact_solve(&net);
         for (int waves = 1; waves <= 3; waves++)
             run_probe(&r, c->name, &net, &x, (sp_probe){SP_PROBE_SINE, waves});
         for (int lines = 1; lines <= 3; lines += 2)
             run_probe(&r, c->name, &net, &x, (sp_probe){SP_PROBE_LINES, lines});
-        exact_free(&x);
-        sp_network_free(&net);
     }
     stress_close(&r);
     assert_true(r.agreed > 150);

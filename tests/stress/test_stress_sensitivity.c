@@ -127,7 +127,7 @@ static void set_time(problem *p, double t) {
 static void differentiate(const problem *p, int k, quad out[2]) {
     const int n = p->x->n;
     const sp_spring *s = &p->net->springs[k];
-    stretches *x = calloc((size_t)n, sizeof *x);
+    RELEASED stretches *x = calloc((size_t)n, sizeof *x);
     out[0] = out[1] = 0;
     for (int m = 0; m < n; m++)
         x[m] = stretch_of(p->net, s, p->u + m * n);
@@ -139,13 +139,12 @@ static void differentiate(const problem *p, int k, quad out[2]) {
         const stretches gap = stretch_of_gap(p->net, s, p->gap[q] + 3 * k);
         add_product(out, -1, &gap, &field);
     }
-    free(x);
 }
 
 static void run_time(stress_record *r, const char *name, problem *p, double length, int stride) {
     const double t = length / p->net->omega_bound, one = 1;
     const sp_functional j = {1, &t, &one, NULL};
-    sp_gradient g = sp_gradient_none();
+    FREED(sp_gradient) g = sp_gradient_none();
     sp_error reason = {0};
     char what[64];
     snprintf(what, sizeof what, "source %d, T = %g", (int)p->o.source, length);
@@ -164,14 +163,13 @@ static void run_time(stress_record *r, const char *name, problem *p, double leng
             stress_agree(r, name, "kt", what, (double)quad_abs(d[1] - g.kt.d[k]), g.kt.error[k],
                          fabs((double)d[1]) + 1e-300);
     }
-    sp_gradient_free(&g);
 }
 
 static void run_case(stress_record *r, const stress_case *c, uint64_t seed) {
-    sp_network net = c->make(c->value, seed);
-    exact x = exact_solve(&net);
+    FREED(sp_network) net = c->make(c->value, seed);
+    FREED(exact) x = exact_solve(&net);
     static const sp_source sources[] = {SP_SOURCE_IMPULSE, SP_SOURCE_DISPLACEMENT, SP_SOURCE_VELOCITY};
-    double *scratch = calloc((size_t)sp_network_dofs(&net), sizeof *scratch);
+    RELEASED double *scratch = calloc((size_t)sp_network_dofs(&net), sizeof *scratch);
     sp_error reason;
     for (int s = 0; s < 3; s++) {
         problem p = {.net = &net, .x = &x, .o = sp_sensitivity_options_default()};
@@ -190,9 +188,6 @@ static void run_case(stress_record *r, const stress_case *c, uint64_t seed) {
             run_time(r, c->name, &p, 3000, 9);
         drop(&p);
     }
-    free(scratch);
-    exact_free(&x);
-    sp_network_free(&net);
 }
 
 TEST(test_gradients) {

@@ -38,7 +38,7 @@ static sp_signal_options options_of(const sp_network *net, const asked *a, sp_pl
 /* [PAIRS][POINTS] */
 static void exact_pairs(const exact *x, const sp_network *net, const sp_signal_options *o, quad *f) {
     const bool velocity = o->source != SP_SOURCE_DISPLACEMENT;
-    quad *ab = calloc((size_t)x->n, sizeof *ab);
+    RELEASED quad *ab = calloc((size_t)x->n, sizeof *ab);
     double *sent = calloc(2 * (size_t)x->n, sizeof *sent), *seen = sent + x->n, t[POINTS];
     for (int l = 0; l < POINTS; l++)
         t[l] = l < POINTS - 1 ? o->until * l / (POINTS - 1) : o->until;
@@ -50,7 +50,6 @@ static void exact_pairs(const exact *x, const sp_network *net, const sp_signal_o
             exact_signal(x, velocity, ab, POINTS, t, f + (a * PLACES + b) * POINTS);
         }
     free(sent);
-    free(ab);
 }
 
 static void compare(stress_record *r, const char *network, const char *what, const sp_signal *s, const quad *f) {
@@ -127,16 +126,14 @@ static void run_case(stress_record *r, const stress_case *c, uint64_t seed, int 
                                 {SP_SOURCE_IMPULSE, 100, 1e-10}, {SP_SOURCE_IMPULSE, 1e4, 1e-3},
                                 {SP_SOURCE_VELOCITY, 1e3, 1e-6}, {SP_SOURCE_DISPLACEMENT, 100, 1e-6},
                                 {SP_SOURCE_IMPULSE, 1e6, 1e-3},  {SP_SOURCE_DISPLACEMENT, 1e6, 1e-2}};
-    sp_network net = c->make(c->value, seed);
-    exact x = exact_solve(&net);
+    FREED(sp_network) net = c->make(c->value, seed);
+    FREED(exact) x = exact_solve(&net);
     for (size_t q = 0; q < sizeof all / sizeof *all; q++)
         if (!run(r, c->name, &net, &x, &all[q], index + (int)q) && all[q].tolerance >= c->served &&
             all[q].length < 1e5) {
             print_message("%s is not served: T = %g, tolerance %g\n", c->name, all[q].length, all[q].tolerance);
             ++*unserved;
         }
-    exact_free(&x);
-    sp_network_free(&net);
 }
 
 TEST(test_signals) {

@@ -41,7 +41,7 @@ static inline column_rows column_run(const sp_tapped_spec *c, int64_t n, double 
 static inline double column_y(const column_rows *rows, int64_t k, int32_t i) { return rows->y[k * rows->width + i]; }
 static inline double column_v(const column_rows *rows, int64_t k, int32_t i) { return rows->v[k * rows->width + i]; }
 
-static inline void column_free(column_rows *rows) {
+static inline void column_rows_free(column_rows *rows) {
     free(rows->t);
     free(rows->y);
     free(rows->v);

@@ -1,6 +1,6 @@
 /* Loud pulses: the balance of energy and its order in the step, the linear limit and how it is approached, motion back
  * in time, agreement with `dynamics', bad input. */
-#include "amplitude/motion.h"
+#include "amplitude/loud_motion.h"
 #include "base/base.h"
 #include "carried.h"
 #include "making.h"
@@ -40,7 +40,7 @@ static double defect_of(const sp_packing *p, double amplitude, double until, int
 /* Halving the step divides the defect by four, in motions that stay linear and in those in which contacts slide, open
  * and close. Without the work of sliding, or that of the forces at rest, the balance is off by as much as they are. */
 TEST(test_balance) {
-    sp_packing flat = reference_packing(DISKS);
+    FREED(sp_packing) flat = reference_packing(DISKS);
     for (int q = 0; q < 3; q++) {
         const double amplitude = (const double[]){1e-5, 0.1, 1}[q];
         sp_amplitude_front c[3];
@@ -55,18 +55,16 @@ TEST(test_balance) {
         assert_true(q < 2 || (c[2].opened > 10 && c[2].closed > 10 && c[2].lost > 0));
         assert_true(q == 0 || fabs(e->released) > 1e-2 * e->input);
     }
-    sp_packing_free(&flat);
 }
 
 /* Spheres, with torques about three axes, and smooth disks, whose energy is that of springs alone. */
 TEST(test_balance_elsewhere) {
     for (int q = 0; q < 2; q++) {
-        sp_packing p = q == 0 ? carried_packing(3, 3, 0.2, 5) : scattered_packing(2, 5, 0, 3);
+        FREED(sp_packing) p = q == 0 ? carried_packing(3, 3, 0.2, 5) : scattered_packing(2, 5, 0, 3);
         sp_amplitude_front c;
         const double one = defect_of(&p, 0.3, 20, 800, &c), two = defect_of(&p, 0.3, 20, 1600, &c);
         assert_true(two < 1e-3 && two < 0.5 * one);
         assert_true(q == 0 ? c.slid > 0 : c.energy.tangential == 0 && c.energy.slid == 0 && c.energy.released == 0);
-        sp_packing_free(&p);
     }
 }
 
@@ -74,8 +72,8 @@ TEST(test_balance_elsewhere) {
  * opened. */
 TEST(test_reversal) {
     enum { STEPS = 4000 };
-    sp_packing p = chain_packing(20, 1e-5);
-    sp_network net = carried_network(&p);
+    FREED(sp_packing) p = chain_packing(20, 1e-5);
+    FREED(sp_network) net = carried_network(&p);
     double *a = source_of(&net), largest = 0;
     motion s;
     assert_ok(sp_motion_make(&p, &net, SP_MOTION_NEAR, 0, NULL, &s, &err));
@@ -97,19 +95,17 @@ TEST(test_reversal) {
         assert_close(s.m.v[6 * k], k == 0 ? v : 0, 1e-9 * v);
     }
     sp_motion_free(&s);
-    sp_network_free(&net);
-    sp_packing_free(&p);
     free(a);
 }
 
 /* With the same steps the force is that of `dynamics', bit for bit. */
 TEST(test_same_motion) {
     enum { POINTS = 101 };
-    sp_packing p = reference_packing(DISKS);
-    sp_network net = carried_network(&p);
+    FREED(sp_packing) p = reference_packing(DISKS);
+    FREED(sp_network) net = carried_network(&p);
     sp_signal_options o = sp_signal_options_default();
-    sp_signal signal = sp_signal_none();
-    double *a = source_of(&net);
+    FREED(sp_signal) signal = sp_signal_none();
+    RELEASED double *a = source_of(&net);
     o.method = SP_SIGNAL_DYNAMICS;
     o.amplitude = 0.2;
     o.until = 20;
@@ -126,10 +122,6 @@ TEST(test_same_motion) {
         assert_true(sp_motion_force(&s, 0) / factor == signal.f[l]);
     }
     sp_motion_free(&s);
-    sp_signal_free(&signal);
-    sp_network_free(&net);
-    sp_packing_free(&p);
-    free(a);
 }
 
 static sp_packing lattice_packing(void) {
@@ -146,7 +138,7 @@ static sp_packing lattice_packing(void) {
 TEST(test_linear_limit) {
     const double amplitude[] = {1e-8, 1e-3, 1e-2};
     for (int q = 0; q < 3; q++) {
-        sp_packing p = q == 0 ? reference_packing(DISKS) : q == 1 ? chain_packing(30, 1e-4) : lattice_packing();
+        FREED(sp_packing) p = q == 0 ? reference_packing(DISKS) : q == 1 ? chain_packing(30, 1e-4) : lattice_packing();
         sp_amplitude_options o = sp_amplitude_options_default();
         sp_amplitude_front a[3];
         sp_front linear;
@@ -162,14 +154,13 @@ TEST(test_linear_limit) {
             assert_true(fabs(off) > 3 * a[1].peak.error && a[2].slid == 0 && a[2].opened == 0);
             assert_close(more / off, 10, 1);
         }
-        sp_packing_free(&p);
     }
 }
 
 /* Errors cover what finer steps give. */
 TEST(test_errors) {
     const double amplitude[] = {0.01, 0.3, 2};
-    sp_packing p = reference_packing(DISKS);
+    FREED(sp_packing) p = reference_packing(DISKS);
     sp_amplitude_options o = sp_amplitude_options_default(), fine = o;
     sp_amplitude_front a[3], b[3];
     fine.tolerance = 3e-6;
@@ -184,11 +175,10 @@ TEST(test_errors) {
         assert_ok(sp_amplitude_pulses(&p, &o, 1, &amplitude[k], &one, NULL, &err));
         assert_true(one.speed.value == a[k].speed.value && one.energy.slid == a[k].energy.slid);
     }
-    sp_packing_free(&p);
 }
 
 TEST(test_bad_input) {
-    sp_packing p = reference_packing(DISKS);
+    FREED(sp_packing) p = reference_packing(DISKS);
     sp_amplitude_front a;
     sp_amplitude_options o = sp_amplitude_options_default();
     const double bad[] = {0, -1, 1e-10, 1e7, NAN, INFINITY}, good = 0.01, loud = 1e4;
@@ -204,7 +194,6 @@ TEST(test_bad_input) {
     assert_fails(sp_amplitude_pulses(&p, &o, 1, &good, &a, NULL, &err), SP_EINVAL, "until");
     o.until = 0;
     EACH_ALLOCATION_FAILS(10, sp_amplitude_pulses(&p, &o, 1, &good, &a, NULL, &err), );
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

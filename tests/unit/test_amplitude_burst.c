@@ -22,8 +22,8 @@ static double second_order(double omega, double highest, double n) {
 /* The longer the burst, the nearer it is to a wave without end. */
 TEST(test_chain) {
     const double heights[] = {20, 40, 60};
-    sp_packing p = chain_packing(200, 1e-6);
-    sp_network net = carried_network(&p);
+    FREED(sp_packing) p = chain_packing(200, 1e-6);
+    FREED(sp_network) net = carried_network(&p);
     const double highest = 2 * sqrt(net.springs[0].kn / grain_mass(0.5)), length = 1 - p.contacts[0].overlap;
     const double omega = 0.3 * highest;
     double off[2];
@@ -44,13 +44,11 @@ TEST(test_chain) {
         assert_true(second.energy.defect < 1e-3 && second.energy.input > 0);
     }
     assert_true(off[0] < 0.05 && off[1] < 0.5 * off[0]);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Long waves: beta delta0/d = 1/2, up to their dispersion. */
 TEST(test_beta) {
-    sp_packing p = chain_packing(300, 1e-6);
+    FREED(sp_packing) p = chain_packing(300, 1e-6);
     const double highest = 2 * sqrt(2 * contact_stiffness(0.5, 0.5) * sqrt(p.contacts[0].overlap) / grain_mass(0.5));
     const sp_amplitude_burst burst = {1e-2, 0.06 * highest, 5};
     sp_amplitude_options o = sp_amplitude_options_default();
@@ -60,14 +58,13 @@ TEST(test_beta) {
     assert_relative(second.beta.value * p.contacts[0].overlap, 0.5, 0.05);
     assert_true(second.beta.error < 0.05 * second.beta.value);
     assert_relative(second.speed.value, 0.5 * highest, 1e-2);
-    sp_packing_free(&p);
 }
 
 /* A quiet burst has the first harmonic of the linear signal, in a packing with friction. */
 TEST(test_linear) {
     const double heights[] = {1.2, 2}, omega = 0.67, quiet = 1e-6;
-    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
-    sp_network net = carried_network(&p);
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    FREED(sp_network) net = carried_network(&p);
     const sp_amplitude_burst burst = {quiet, omega, 3};
     sp_amplitude_options o = sp_amplitude_options_default();
     sp_amplitude_harmonics h[2];
@@ -93,12 +90,10 @@ TEST(test_linear) {
         assert_relative(h[b].first.value, first, 5e-3);
         sp_signal_free(&s);
     }
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_bad_input) {
-    sp_packing p = chain_packing(100, 1e-6);
+    FREED(sp_packing) p = chain_packing(100, 1e-6);
     sp_amplitude_options o = sp_amplitude_options_default();
     sp_amplitude_harmonics h[3];
     sp_amplitude_second second;
@@ -122,16 +117,7 @@ TEST(test_bad_input) {
     o.tolerance = 1;
     assert_fails(sp_amplitude_bursts(&p, &o, &good, 3, NULL, h, &second, &err), SP_EINVAL, "tolerance");
     o.tolerance = 0.05;
-    for (int k = 0;; k++) {
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_amplitude_bursts(&p, &o, &good, 3, NULL, h, &second, &err);
-        sp_alloc_fail_after(-1);
-        if (status == SP_OK)
-            break;
-        assert_int_equal(status, SP_ENOMEM);
-    }
-    sp_packing_free(&p);
+    EACH_ALLOCATION_FAILS(8, sp_amplitude_bursts(&p, &o, &good, 3, NULL, h, &second, &err), );
 }
 
 RUN_TESTS(NULL, NULL)

@@ -1,5 +1,5 @@
 /* Solitary waves of chains: their limits, and that the motion of a chain carries them without change. */
-#include "amplitude/motion.h"
+#include "amplitude/loud_motion.h"
 #include "base/base.h"
 #include "carried.h"
 
@@ -97,8 +97,8 @@ static void put_wave(motion *s, double peak, double overlap, double sound) {
 TEST(test_travels) {
     enum { N = 160, FAR = 60, STEPS = 60000 };
     const double peaks[] = {0.1, 0.5, 20};
-    sp_packing p = chain_packing(N, 1e-6);
-    sp_network net = carried_network(&p);
+    FREED(sp_packing) p = chain_packing(N, 1e-6);
+    FREED(sp_network) net = carried_network(&p);
     const double overlap = p.contacts[0].overlap, sound = sqrt(net.springs[0].kn / grain_mass(0.5));
     motion s;
     assert_ok(sp_motion_make(&p, &net, SP_MOTION_NEAR, 0, NULL, &s, &err));
@@ -120,13 +120,11 @@ TEST(test_travels) {
         }
     }
     sp_motion_free(&s);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* A hard knock ends in such a wave: `planes' measures its speed from plane to plane. */
 TEST(test_knock) {
-    sp_packing p = chain_packing(100, 1e-9);
+    FREED(sp_packing) p = chain_packing(100, 1e-9);
     sp_amplitude_options o = sp_amplitude_options_default();
     sp_amplitude_plane a[2];
     sp_amplitude_front top;
@@ -143,7 +141,6 @@ TEST(test_knock) {
     assert_true(top.t10.value > a[1].t10.value && a[1].overpressure.error < 1e-2 * a[1].overpressure.value);
     assert_fails(sp_amplitude_planes(&p, &o, 1, 2, twice, a, NULL, &err), SP_EINVAL, "height");
     assert_fails(sp_amplitude_planes(&p, &o, 1, 2, outside, a, NULL, &err), SP_EINVAL, "height");
-    sp_packing_free(&p);
 }
 
 TEST(test_bad_input) {

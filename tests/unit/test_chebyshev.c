@@ -21,7 +21,7 @@ static sp_signal_options options_of(sp_source source, double until, int points) 
 static void check_places(const char *name, const sp_network *net, sp_signal_options o) {
     const size_t n = (size_t)sp_network_dofs(net);
     double *sent = calloc(2 * n, sizeof *sent), *seen = sent + n, *exact = calloc((size_t)o.points, sizeof *exact);
-    sp_signal s = sp_signal_none();
+    FREED(sp_signal) s = sp_signal_none();
     assert_ok(sp_signal_make(net, &o, &s, &err));
     assert_true(s.sources == (o.from ? o.sources : 1) && s.detectors == (o.to ? o.detectors : 1));
     for (int a = 0; a < s.sources; a++)
@@ -37,7 +37,6 @@ static void check_places(const char *name, const sp_network *net, sp_signal_opti
                          name, a, s.sources, b, s.detectors, o.until, error, bound, peak_of(s.n, exact));
             assert_true(bound <= 1e-9 * fmax(peak_of(s.n, exact), 1e-5));
         }
-    sp_signal_free(&s);
     free(exact);
     free(sent);
 }
@@ -55,8 +54,8 @@ TEST(test_places) {
     const double spans[] = {2, 12, 90};
     const int counts[][2] = {{1, 2}, {1, 5}, {3, 1}, {2, 2}, {5, 3}};
     for (size_t q = 0; q < sizeof all / sizeof *all; q++) {
-        sp_packing p = all[q].p;
-        sp_network net = network_of(&p, all[q].prestress);
+        FREED(sp_packing) p = all[q].p;
+        FREED(sp_network) net = network_of(&p, all[q].prestress);
         sp_place from[5], to[5];
         for (int k = 0; k < 5; k++) {
             from[k] = (sp_place){.kind = SP_PLACE_GRAIN, .grain = net.grain[k * (net.n - 1) / 5], .shear = k == 2};
@@ -74,15 +73,13 @@ TEST(test_places) {
                 o.tolerance = 1e-9;
                 check_places(all[q].name, &net, o);
             }
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 /* Blocks that nothing has reached sleep, and the bound allows for what was dropped there. */
 TEST(test_sleep) {
-    sp_packing p = chain_packing(2600, 1e-4);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = chain_packing(2600, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
     const double spans[] = {300, 2600}; /* sound takes some 4900 */
     sp_operator op = {0};
     recurrence r = {0};
@@ -111,8 +108,6 @@ TEST(test_sleep) {
         }
         check_places("long chain", &net, o);
     }
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 static sp_packing lattice_packing(int side) {
@@ -129,23 +124,22 @@ static sp_packing lattice_packing(int side) {
 
 /* The same bits for any number of threads, and by any vectors. */
 TEST(test_threads) {
-    sp_packing p = lattice_packing(185);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = lattice_packing(185);
+    FREED(sp_network) net = network_of(&p, false);
     sp_signal_options o = options_of(SP_SOURCE_IMPULSE, 60, 31);
     const sp_place to[] = {{.kind = SP_PLACE_PLANE, .height = 11.1}, {.kind = SP_PLACE_PLANE, .height = 5.5}};
     o.to = to;
     o.detectors = 2;
     sp_signal one = sp_signal_none();
-    sp_operator op = {0};
+    FREED(sp_operator) op = {0};
     assert_ok(sp_signal_make(&net, &o, &one, &err));
     assert_true(peak_of(one.n, one.f) > 0);
     for (int threads = 2; threads < 8; threads += 3) {
-        sp_signal s = sp_signal_none();
+        FREED(sp_signal) s = sp_signal_none();
         o.threads = threads;
         assert_ok(sp_signal_make(&net, &o, &s, &err));
         assert_memory_equal(s.f, one.f, 2 * (size_t)s.n * sizeof *s.f);
         assert_true(s.error == one.error);
-        sp_signal_free(&s);
     }
     sp_signal_free(&one);
     assert_ok(sp_operator_make(&net, &op, &err));
@@ -172,9 +166,6 @@ TEST(test_threads) {
     assert_memory_equal(r[0].u, r[1].u, (size_t)op.n * (size_t)op.row * sizeof *r[0].u);
     sp_recurrence_free(&r[0]);
     sp_recurrence_free(&r[1]);
-    sp_operator_free(&op);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Both recurrences with the same start: the same bits by vectors of eight and past the caches as by vectors of two. */
@@ -218,15 +209,13 @@ TEST(test_vectors) {
     } all[] = {{"chain", 1, 0}, {"2D", 2, 0}, {"2D with friction", 2, 0.5}, {"3D", 3, 0}, {"3D with friction", 3, 0.5}};
     for (size_t q = 0; q < sizeof all / sizeof *all; q++)
         for (int prestress = 0; prestress < 2; prestress++) {
-            sp_packing p = all[q].dim == 1
-                               ? chain_packing(300, 1e-4)
-                               : scattered_packing(all[q].dim, all[q].dim == 2 ? 17 : 7, all[q].friction, 3);
+            FREED(sp_packing)
+            p = all[q].dim == 1 ? chain_packing(300, 1e-4)
+                                : scattered_packing(all[q].dim, all[q].dim == 2 ? 17 : 7, all[q].friction, 3);
             carry(&p, 0.4, 5);
-            sp_network net = network_of(&p, prestress);
+            FREED(sp_network) net = network_of(&p, prestress);
             same_by_vectors(all[q].name, &net, true);
             same_by_vectors(all[q].name, &net, false);
-            sp_network_free(&net);
-            sp_packing_free(&p);
         }
 }
 
@@ -235,14 +224,14 @@ TEST(test_vectors) {
 TEST(test_front) {
     const char *const names[] = {REFERENCE("packing_N200_p1e-4.txt"), REFERENCE("packing_N600_p1e-4.txt")};
     for (int q = 0; q < 2; q++) {
-        sp_packing p = reference_packing(names[q]);
-        sp_network net = network_of(&p, false);
+        FREED(sp_packing) p = reference_packing(names[q]);
+        FREED(sp_network) net = network_of(&p, false);
         sp_signal_options o = options_of(SP_SOURCE_IMPULSE, sp_signal_window(p.box[1], p.pressure), 961);
         const sp_place to[] = {{.kind = SP_PLACE_WALL}, {.kind = SP_PLACE_PLANE, .height = 0.4 * p.box[1]}};
         for (int detectors = 1; detectors <= 2; detectors++) {
             o.to = to;
             o.detectors = detectors;
-            sp_signal whole = sp_signal_none(), part = sp_signal_none();
+            FREED(sp_signal) whole = sp_signal_none(), part = sp_signal_none();
             o.front = false;
             assert_ok(sp_signal_make(&net, &o, &whole, &err));
             o.front = true;
@@ -263,8 +252,6 @@ TEST(test_front) {
                 last = fmax(last, a.t_zero);
             }
             assert_true(part.t[part.n - 1] < last + 2.1 * o.until / 48);
-            sp_signal_free(&whole);
-            sp_signal_free(&part);
         }
         o.to = NULL; /* too short for a front: all of it */
         o.detectors = 0;
@@ -275,22 +262,7 @@ TEST(test_front) {
         sp_signal_free(&s);
         o.method = SP_SIGNAL_DENSE;
         assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EINVAL, "chebyshev auto");
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
-}
-
-TEST(test_no_memory) {
-    sp_packing p = scattered_packing(2, 6, 0.5, 1);
-    sp_network net = network_of(&p, false);
-    const sp_place to[] = {{.kind = SP_PLACE_PLANE, .height = 1}, {.kind = SP_PLACE_PLANE, .height = 2}};
-    sp_signal_options o = options_of(SP_SOURCE_IMPULSE, 30, 11);
-    o.to = to;
-    o.detectors = 2;
-    o.front = true;
-    lacks_memory(NULL, &net, &o, 30);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -1,5 +1,5 @@
 #include "reference.h"
-#include "signal/choose.h"
+#include "signal/job.h"
 
 #include <sonopack/modes.h>
 
@@ -28,12 +28,12 @@ static sp_signal_method first_choice(const sp_network *net, const sp_signal_opti
 /* The number of products that the cost stands for is that of the run, for one pair and for many. */
 TEST(test_products) {
     sp_packing p = scattered_packing(2, 8, 0.5, 1);
-    sp_network net = network_of(&p);
+    FREED(sp_network) net = network_of(&p);
     const double lengths[] = {50, 500, 5000};
     for (int k = 0; k < 3; k++)
         for (int many = 0; many < 2; many++) {
             sp_place at[4];
-            sp_signal s;
+            FREED(sp_signal) s;
             sp_signal_options o = options_of(&net, lengths[k], 11);
             o.method = SP_SIGNAL_CHEBYSHEV;
             for (int q = 0; q < 4; q++)
@@ -47,9 +47,7 @@ TEST(test_products) {
             const double terms = lengths[k] / 2, width = cbrt(lengths[k]);
             assert_true(s.products >= (many ? 4 : 1) * terms);
             assert_true(s.products <= (many ? 4 : 1) * (terms + 7 * width + 8));
-            sp_signal_free(&s);
         }
-    sp_network_free(&net);
 }
 
 /* By counts of operations alone, which leave room for a factor of four: the choice is not much worse than the other. */
@@ -65,7 +63,7 @@ TEST(test_choice) {
     int dense = 0, chebyshev = 0;
     for (int k = 0; k < 4; k++) {
         sp_packing p = scattered_packing(2, cells[k], 0.5, 1);
-        sp_network net = network_of(&p);
+        FREED(sp_network) net = network_of(&p);
         for (double length = 10; length < 2e8; length *= 10) {
             const sp_signal_options o = options_of(&net, length, 801);
             const sp_signal_method method = first_choice(&net, &o);
@@ -78,62 +76,22 @@ TEST(test_choice) {
             dense += method == SP_SIGNAL_DENSE;
             chebyshev += method == SP_SIGNAL_CHEBYSHEV;
         }
-        sp_network_free(&net);
     }
     assert_true(dense >= 10 && chebyshev >= 10);
-}
-
-/* Costs grow with all that is asked; what cannot serve has none. */
-TEST(test_costs) {
-    sp_packing p = scattered_packing(2, 8, 0.5, 1);
-    sp_network net = network_of(&p);
-    const sp_signal_method methods[] = {SP_SIGNAL_CHEBYSHEV, SP_SIGNAL_DENSE};
-    sp_place at[6];
-    for (int q = 0; q < 6; q++)
-        at[q] = (sp_place){.kind = SP_PLACE_GRAIN, .grain = 10 * q};
-    for (int k = 0; k < 2; k++) {
-        const sp_signal_options o = options_of(&net, 100, 101);
-        const double cost = sp_signal_cost(methods[k], &net, &o);
-        sp_signal_options more = options_of(&net, 1000, 101);
-        assert_true(sp_signal_cost(methods[k], &net, &more) >= cost);
-        more = options_of(&net, 100, 1001);
-        assert_true(sp_signal_cost(methods[k], &net, &more) > cost);
-        more = o;
-        more.sources = more.detectors = 6;
-        more.from = more.to = at;
-        assert_true(sp_signal_cost(methods[k], &net, &more) > cost);
-    }
-    sp_signal_options o = options_of(&net, 100, 101);
-    assert_true(isinf(sp_signal_cost(SP_SIGNAL_VERLET, &net, &o)) && isinf(sp_signal_cost(SP_SIGNAL_FABER, &net, &o)));
-    o.damping = 0.1;
-    assert_int_equal(first_choice(&net, &o), SP_SIGNAL_FABER);
-    o.damping = 0;
-    o.front = true;
-    assert_int_equal(first_choice(&net, &o), SP_SIGNAL_CHEBYSHEV);
-    sp_network_free(&net);
-    /* a dense solver is not offered what it refuses */
-    p = chain_packing(20001, 1e-4);
-    net = network_of(&p);
-    o = options_of(&net, 1e9, 11);
-    assert_true(isinf(sp_signal_cost(SP_SIGNAL_DENSE, &net, &o)) &&
-                isfinite(sp_signal_cost(SP_SIGNAL_SPARSE, &net, &o)));
-    sp_network_free(&net);
 }
 
 /* A modal sum vouches for nothing so early, and yet a small network is served: by the next method. */
 TEST(test_next_choice) {
     sp_packing p = chain_packing(40, 1e-4);
-    sp_network net = network_of(&p);
+    FREED(sp_network) net = network_of(&p);
     sp_signal_options o = options_of(&net, 3, 200000); /* so many times that modes are cheaper */
-    sp_signal s;
+    FREED(sp_signal) s;
     o.tolerance = 1e-8;
     o.method = SP_SIGNAL_DENSE;
     assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EREFUSED, "1e-08");
     o.method = SP_SIGNAL_AUTO;
     assert_ok(sp_signal_make(&net, &o, &s, &err));
     assert_int_equal(s.method, SP_SIGNAL_CHEBYSHEV);
-    sp_signal_free(&s);
-    sp_network_free(&net);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -36,7 +36,7 @@ static sp_coherent_section made_up(double noise) {
 /* Where the wave hardly decays the four periods hold the whole pulse. Where it decays within a few planes, the low
  * frequencies that are left farther up are longer than the window, and what is cut off of them is felt: 1e-3. */
 TEST(test_known_wave) {
-    sp_coherent_section s = made_up(0);
+    FREED(sp_coherent_section) s = made_up(0);
     for (double w = 0.04; w < 0.16; w += 0.02) {
         sp_coherent_wave c;
         const double k = w / speed;
@@ -45,12 +45,11 @@ TEST(test_known_wave) {
         assert_relative(c.alpha, rayleigh * k * k * k, k < 0.3 ? 2e-3 : 1e-2);
         assert_true(c.part > 1 - 1e-3);
     }
-    sp_coherent_section_free(&s);
 }
 
 /* Noise on every plane that is independent of the others: k and alpha stay near, and `part` tells of it. */
 TEST(test_noise) {
-    sp_coherent_section s = made_up(20);
+    FREED(sp_coherent_section) s = made_up(20);
     sp_coherent_wave c;
     const double w = 0.06, k = w / speed;
     assert_ok(sp_coherent_fit(&s, w, &c, &err));
@@ -66,15 +65,14 @@ TEST(test_noise) {
     assert_relative(again.alpha, c.alpha, 1e-12);
     assert_close(again.k_shift, c.k_shift, 1e-13);
     assert_close(again.alpha_shift, c.alpha_shift, 1e-13);
-    sp_coherent_section_free(&s);
 }
 
 /* omega = 2 sqrt(K/m) sin(k l/2), no attenuation. The slower the waves of a frequency are beside the front, the more of
  * them comes after the record's end: the error is small up to 0.7 of omega_max = 2 sqrt(K/m), and told by what half the
  * time changes. */
 static void check_rows(const sp_packing *p, bool lattice) {
-    sp_network net = network_of(p, false);
-    sp_coherent_section s = sp_coherent_section_none();
+    FREED(sp_network) net = network_of(p, false);
+    FREED(sp_coherent_section) s = sp_coherent_section_none();
     const sp_coherent_section_options o = sp_coherent_section_options_default();
     assert_ok(sp_coherent_section_make(&net, &o, &s, &err));
     const double angle = lattice ? sqrt(0.75) : 1, l = angle * net.length[0];
@@ -98,36 +96,32 @@ static void check_rows(const sp_packing *p, bool lattice) {
         assert_ok(sp_coherent_fit(&s, (const double[]){1.002, 1.05, 1.2}[q] * 2 * root, &c, &err));
         assert_true(isnan(c.k) && isnan(c.alpha) && isnan(c.k_shift) && isnan(c.alpha_shift));
     }
-    sp_coherent_section_free(&s);
-    sp_network_free(&net);
 }
 
 TEST(test_chain) {
-    sp_packing p = chain_packing(180, 1e-4);
+    FREED(sp_packing) p = chain_packing(180, 1e-4);
     check_rows(&p, false);
-    sp_packing_free(&p);
 }
 
 /* Rows of a lattice move as the grains of a chain with 1.5 of a contact's stiffness, sqrt(3)/2 of a spacing apart:
  * Eq. (18) of Somfai et al. 2005. Planes are not at the same height between the rows, one row after the other. */
 TEST(test_lattice) {
     sp_pack_spec spec = sp_pack_spec_default();
-    sp_packing p = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none();
     spec.kind = SP_PACK_TRIANGULAR;
     spec.grains = 6 * 180;
     spec.width = 6;
     spec.friction = 0;
     assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
     check_rows(&p, true);
-    sp_packing_free(&p);
 }
 
 /* Planes closer than the rows have one another's contacts: they are left out. What comes too late for three planes, or
  * only as the record ends, is told to be none. */
 TEST(test_few_planes) {
-    sp_packing p = chain_packing(40, 1e-4);
-    sp_network net = network_of(&p, false);
-    sp_coherent_section s = sp_coherent_section_none();
+    FREED(sp_packing) p = chain_packing(40, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
+    FREED(sp_coherent_section) s = sp_coherent_section_none();
     sp_coherent_section_options o = sp_coherent_section_options_default();
     sp_coherent_wave c;
     o.spacing = 0.1;
@@ -142,9 +136,6 @@ TEST(test_few_planes) {
     assert_ok(sp_coherent_fit(&s, 0.2, &c, &err));
     assert_true(isnan(c.k) && isnan(c.alpha) && isnan(c.k_shift) && isnan(c.alpha_shift));
     assert_close(sp_network_plane_height(&net, 0.1), 0.5 * net.x[net.dim - 1], 1e-14); /* the contact with the wall */
-    sp_coherent_section_free(&s);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_refusals) {
@@ -161,8 +152,8 @@ TEST(test_refusals) {
     assert_ok(sp_coherent_fit(&s, 0.1, &c, &err));
     assert_true(isnan(c.k) && isnan(c.alpha));
     sp_coherent_section_free(&s);
-    sp_packing p = chain_packing(12, 1e-4);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = chain_packing(12, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
     sp_coherent_section_options o = sp_coherent_section_options_default();
     assert_fails(sp_coherent_section_make(&net, &o, &s, &err), SP_EREFUSED, "8");
     o.spacing = 0;
@@ -175,19 +166,9 @@ TEST(test_refusals) {
     sp_packing_free(&p);
     p = chain_packing(30, 1e-4);
     net = network_of(&p, false);
-    for (int k = 0;; k++) {
-        sp_error err = {0};
-        sp_alloc_fail_after(k);
-        const sp_status status = sp_coherent_section_make(&net, &o, &s, &err);
-        sp_alloc_fail_after(-1);
-        if (status == SP_OK)
-            break;
-        assert_int_equal(status, SP_ENOMEM);
-        assert_null(s.f);
-    }
-    sp_coherent_section_free(&s);
-    sp_network_free(&net);
-    sp_packing_free(&p);
+    s = sp_coherent_section_none();
+    EACH_ALLOCATION_FAILS(8, sp_coherent_section_make(&net, &o, &s, &err), assert_true(!lacks || !s.f),
+                          sp_coherent_section_free(&s));
 }
 
 RUN_TESTS(NULL, NULL)

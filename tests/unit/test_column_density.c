@@ -167,17 +167,4 @@ TEST(test_literal) {
     }
 }
 
-TEST(test_refusals) {
-    const double t[] = {0.5, 0.2};
-    for (int k = 0; k < KINDS; k++) {
-        sp_tapped_spec c = sp_tapped_spec_default();
-        rows r = {.particles = c.particles};
-        c.model = kinds[k].model;
-        c.bsr = kinds[k].bsr;
-        assert_fails(sp_tapped_run_density(&c, 2, t, keep, &r, &err), SP_EINVAL, "0.20000000000000001");
-        c.e = 1;
-        assert_fails(sp_tapped_run_density(&c, 1, t, keep, &r, &err), SP_EINVAL, "column.e");
-    }
-}
-
 RUN_TESTS(NULL, NULL)

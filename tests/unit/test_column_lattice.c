@@ -10,7 +10,7 @@ static const double PI = 3.14159265358979323846;
 TEST(test_reference) {
     const double expected[] = {0.499205348314, 2.093203277325, 3.784435777282, 5.576736210942, 7.474198032402};
     sp_tapped_spec c = sp_tapped_spec_default();
-    column_rows rows = column_run(&c, 1, 0.99, 0.99);
+    FREED(column_rows) rows = column_run(&c, 1, 0.99, 0.99);
     for (int32_t i = 1; i <= 5; i++)
         assert_close(column_y(&rows, 0, i), expected[i - 1], 1e-9);
     assert_relative(rows.report.tap[0].work, 6994.497407, 1e-9);
@@ -18,7 +18,6 @@ TEST(test_reference) {
     for (int32_t i = 0; i <= 5; i++) /* at rest by then, exactly */
         assert_true(column_v(&rows, 0, i) == 0);
     assert_true(rows.report.violated < 0 && isnan(rows.report.violated_at));
-    column_free(&rows);
 }
 
 /* One ball that comes down onto the floor at 1 km/s with next to no gravity leaves at sqrt((1 - e)/(1 + e)) of it. */
@@ -30,7 +29,7 @@ TEST(test_restitution) {
         c.gravity = 1e-9;
         c.stiffness = 9806.7;
         c.e = e;
-        sp_tapped_state s;
+        FREED(sp_tapped_state) s;
         assert_ok(sp_tapped_state_make(&c, &s, &err));
         s.overlap[0] = -0.5;
         s.opening[0] = -1e5;
@@ -38,7 +37,6 @@ TEST(test_restitution) {
         assert_close(s.opening[0] / 1e5, sqrt((1 - e) / (1 + e)), 1e-12);
         if (fabs(e - 0.09) < 1e-9)
             assert_close(s.opening[0] / 1e5, 0.913708041620, 1e-12);
-        sp_tapped_state_free(&s);
     }
 }
 
@@ -49,12 +47,11 @@ TEST(test_drop) {
     c.amplitude = 0;
     c.drop = 1;
     c.taps = 1;
-    column_rows rows = column_run(&c, 2, 0.16, 0.18);
+    FREED(column_rows) rows = column_run(&c, 2, 0.16, 0.18);
     for (int64_t k = 0; k < 2; k++) {
         double v = column_v(&rows, k, 1);
         assert_close(column_y(&rows, k, 1) + v * v / (2 * c.gravity), 1.583734480, 1e-9);
     }
-    column_free(&rows);
 }
 
 /* e = 0: mode k of N balls on a floor at rest, a quarter of a period after it was let go, is at rest's positions.
@@ -67,7 +64,7 @@ TEST(test_elastic_modes) {
             c.particles = sizes[n];
             c.amplitude = 0;
             c.e = 0;
-            sp_tapped_state s, rest;
+            FREED(sp_tapped_state) s, rest;
             assert_ok(sp_tapped_state_make(&c, &s, &err));
             assert_ok(sp_tapped_state_make(&c, &rest, &err));
             double angle = (2 * k - 1) * PI / (4 * sizes[n] + 2);
@@ -83,8 +80,6 @@ TEST(test_elastic_modes) {
                 assert_close(s.overlap[i], rest.overlap[i], 1e-12 * size * PI / 2 + 2e-15);
                 assert_close(s.opening[i], speed, 1e-12 * omega * size + 4e-15 * omega);
             }
-            sp_tapped_state_free(&s);
-            sp_tapped_state_free(&rest);
         }
 }
 
@@ -118,7 +113,7 @@ TEST(test_energy_balance) {
     for (int k = 0; k < 60; k++) {
         double mass[3], radius[3];
         sp_tapped_spec c = random_spec(&r, k < 50 ? 30 : 150, k % 2 ? mass : NULL, radius);
-        sp_tapped_report report;
+        FREED(sp_tapped_report) report;
         assert_ok(sp_tapped_run(&c, 0, NULL, NULL, NULL, &report, &err));
         double before = report.initial_energy;
         for (int32_t tap = 0; tap < c.taps; tap++) {
@@ -130,7 +125,6 @@ TEST(test_energy_balance) {
             assert_true(t->dissipated >= 0 && (c.e > 0 || t->dissipated == 0));
             before = t->energy;
         }
-        sp_tapped_report_free(&report);
     }
 }
 
@@ -153,12 +147,11 @@ TEST(test_unlike_masses) {
         c.drop = 5 * sp_random_uniform(&r);
         c.taps = 1;
         c.period = 0.3;
-        sp_tapped_report report;
+        FREED(sp_tapped_report) report;
         sp_error err = {0};
         if (sp_tapped_run(&c, 0, NULL, NULL, NULL, &report, &err) != SP_OK)
             fail_msg("seed %d, column %d: %s", (int)seed, k, err.text);
         assert_close(report.tap[0].residual, 0, 1e-9);
-        sp_tapped_report_free(&report);
     }
     const double pair[] = {1.3, 5}, far[] = {1.3, 40};
     sp_tapped_spec c = sp_tapped_spec_default();
@@ -182,7 +175,7 @@ TEST(test_rest_states_are_a_band) {
         sp_tapped_spec c = sp_tapped_spec_default();
         c.particles = sizes[n];
         c.amplitude = 0;
-        sp_tapped_state s;
+        FREED(sp_tapped_state) s;
         assert_ok(sp_tapped_state_make(&c, &s, &err));
         double *kept = malloc((size_t)sizes[n] * sizeof *kept), unit = c.gravity / sp_tapped_stiffness(&c);
         assert_non_null(kept);
@@ -198,7 +191,6 @@ TEST(test_rest_states_are_a_band) {
         assert_ok(sp_tapped_map(&c, &s, 1, NULL, &err));
         assert_true(s.overlap[sizes[n] - 1] < unit * 1.0005 / (1 - c.e));
         free(kept);
-        sp_tapped_state_free(&s);
     }
 }
 
@@ -218,9 +210,9 @@ TEST(test_units) {
             assert_close(column_y(&b, k, i), column_y(&a, k, i), 1e-11);
             assert_close(column_y(&d, k, i), 2 * column_y(&a, k, i), 1e-11);
         }
-    column_free(&a);
-    column_free(&b);
-    column_free(&d);
+    column_rows_free(&a);
+    column_rows_free(&b);
+    column_rows_free(&d);
 }
 
 /* Rows are looked at, not steps made: more of them change nothing. */
@@ -239,8 +231,8 @@ TEST(test_rows_change_nothing) {
             assert_close((column_y(&many, k, i) - column_y(&many, k - 1, i)) / h, v, 0.25 * h * 8e4);
         }
     }
-    column_free(&few);
-    column_free(&many);
+    column_rows_free(&few);
+    column_rows_free(&many);
 }
 
 /* [B]'s column at half the period: ordering (1) fails, -0.25 cm in the fourth tap. Without friction there is no event
@@ -250,7 +242,7 @@ TEST(test_violations_are_reported) {
         sp_tapped_spec c = sp_tapped_spec_default();
         c.period = 0.5;
         c.e = k == 0 ? 0.09 : 0;
-        column_rows rows = column_run(&c, 20001, 0, 2);
+        FREED(column_rows) rows = column_run(&c, 20001, 0, 2);
         const sp_tapped_tap *tap = rows.report.tap;
         if (k == 0)
             assert_close(tap[3].separation, -0.25, 0.005);
@@ -266,7 +258,6 @@ TEST(test_violations_are_reported) {
         assert_true(rows.t[first - 1] <= rows.report.violated_at && rows.report.violated_at <= rows.t[first]);
         assert_close(tap[3].separation, least, 1e-4); /* rows are 1e-4 s apart */
         assert_true(tap[3].separation <= least);
-        column_free(&rows);
     }
 }
 

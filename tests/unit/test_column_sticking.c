@@ -4,7 +4,6 @@
 
 #include "numeric/random.h"
 #include "tapped/lattice.h"
-#include "tapped/taut_string.h"
 
 enum { NODES = 1000 };
 

@@ -71,8 +71,8 @@ TEST(test_coupled) {
 }
 
 TEST(test_packing) {
-    sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
-    sp_network net = sp_network_none();
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
+    FREED(sp_network) net = sp_network_none();
     const sp_network_options o = sp_network_options_default();
     sp_statics s;
     sp_continuum c = sp_continuum_none();
@@ -120,8 +120,6 @@ TEST(test_packing) {
     p = scattered_packing(2, 6, 0, 1);
     assert_ok(sp_network_make(&p, &o, &net, &err));
     assert_fails(sp_continuum_make(&net, 0.5, 2, SP_SOLVER_AUTO, &c, &err), SP_EREFUSED, "");
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -192,7 +192,7 @@ static sp_stored every_third(void *user, const sp_scene *scene, const char *name
 TEST(test_study) {
     const sp_machine one = sp_machine_reference();
     const sp_study_options o = {.jobs = 1, .shard = 1, .shards = 1, .threads = 1};
-    sp_scene scene;
+    FREED(sp_scene) scene;
     sp_forecast none, some;
     int asked = 0;
     const sp_study_sink sink = {.user = &asked, .has = every_third};
@@ -206,7 +206,6 @@ TEST(test_study) {
     assert_int_equal(some.stored, 4);
     assert_int_equal(some.part[0].count, 8);
     assert_true(some.part[0].cost.cpu < none.part[0].cost.cpu && some.part[0].bytes < none.part[0].bytes);
-    sp_scene_free(&scene);
 }
 
 RUN_TESTS(NULL, NULL)

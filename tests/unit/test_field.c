@@ -17,8 +17,8 @@ static void by_modes(const sp_network *net, sp_source source, const sp_place *fr
     const sp_modes_options o = sp_modes_options_default();
     const sp_modes_range all = sp_modes_range_all();
     const sp_place wall = sp_place_wall();
-    sp_modes m = sp_modes_none();
-    double *a = calloc((size_t)n, sizeof *a);
+    FREED(sp_modes) m = sp_modes_none();
+    RELEASED double *a = calloc((size_t)n, sizeof *a);
     assert_non_null(a);
     assert_ok(sp_network_source_at(net, source, from ? from : &wall, a, &err));
     assert_ok(sp_modes_make(net, &o, &all, &m, &err));
@@ -34,14 +34,12 @@ static void by_modes(const sp_network *net, sp_source source, const sp_place *fr
         for (int64_t k = 0; k < n; k++)
             u[k] += part * e[k] / sqrt(net->mass[k]);
     }
-    sp_modes_free(&m);
-    free(a);
 }
 
 static void compare(const sp_packing *p, const sp_place *from) {
     static const double t[] = {40, 0, 7.5, 160};
     static const sp_source sources[] = {SP_SOURCE_IMPULSE, SP_SOURCE_VELOCITY, SP_SOURCE_DISPLACEMENT};
-    sp_network net = network_of(p, false);
+    FREED(sp_network) net = network_of(p, false);
     const int64_t n = sp_network_dofs(&net);
     double *u = calloc(4 * (size_t)n, sizeof *u), *v = calloc((size_t)n, sizeof *v), errors[4];
     assert_true(u && v);
@@ -64,11 +62,10 @@ static void compare(const sp_packing *p, const sp_place *from) {
     }
     free(u);
     free(v);
-    sp_network_free(&net);
 }
 
 TEST(test_modes_agree) {
-    sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
+    FREED(sp_packing) p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     compare(&p, NULL);
     const sp_place part = {.kind = SP_PLACE_PART, .shear = true, .from = 2, .to = 12};
     compare(&p, &part);
@@ -78,45 +75,11 @@ TEST(test_modes_agree) {
     sp_packing_free(&p);
     p = scattered_packing(3, 3, 0.5, 7);
     compare(&p, NULL);
-    sp_packing_free(&p);
-}
-
-/* The detector's row times u(t) is the signal. */
-TEST(test_detector_sees_the_signal) {
-    enum { POINTS = 5 };
-    sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
-    sp_network net = network_of(&p, false);
-    const int64_t n = sp_network_dofs(&net);
-    sp_signal_options o = sp_signal_options_default();
-    o.until = 3000;
-    o.points = POINTS;
-    sp_signal s = sp_signal_none();
-    assert_ok(sp_signal_make(&net, &o, &s, &err));
-    double *u = calloc(POINTS * (size_t)n, sizeof *u), *row = calloc((size_t)n, sizeof *row), errors[POINTS];
-    assert_true(u && row);
-    const sp_field_options spec = {.times = POINTS, .t = s.t, .threads = 2};
-    assert_ok(sp_signal_field(&net, &spec, u, errors, &err));
-    assert_ok(sp_network_detector(&net, row, &err));
-    const double largest = largest_of(POINTS, s.f);
-    for (int l = 0; l < POINTS; l++) {
-        double f = 0, sum = 0;
-        for (int64_t k = 0; k < n; k++) {
-            f += row[k] * u[l * n + k];
-            sum += fabs(row[k]);
-        }
-        assert_close(f, s.f[l], errors[l] * sum + s.error);
-        assert_true(errors[l] * sum < 1e-9 * largest * (double)n);
-    }
-    free(u);
-    free(row);
-    sp_signal_free(&s);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_refusals) {
-    sp_packing p = chain_packing(10, 1e-4);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = chain_packing(10, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
     double u[10];
     static const double bad[] = {-1, NAN, INFINITY}, late = 1e12, good = 3;
     for (int k = 0; k < 3; k++) {
@@ -132,8 +95,6 @@ TEST(test_refusals) {
     assert_int_not_equal(sp_signal_field(&net, &spec, u, NULL, NULL), SP_OK);
     spec.from = NULL;
     EACH_ALLOCATION_FAILS(8, sp_signal_field(&net, &spec, u, NULL, &err), );
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

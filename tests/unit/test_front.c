@@ -78,13 +78,12 @@ TEST(marks_converge_with_the_sampling) {
         for (int m = 0; m < 4; m++)
             off[m][s] = 0;
         for (int shift = 0; shift < SHIFTS; shift++) { /* the error depends on where the grid falls */
-            trace *w = sampled(step[s] * shift / SHIFTS, 100, step[s]);
+            RELEASED trace *w = sampled(step[s] * shift / SHIFTS, 100, step[s]);
             sp_front front = find(w, 0);
             const double d[4] = {front.t10 - e.t10, front.t_peak - e.t_peak, front.t_zero - e.t_zero,
                                  front.amplitude - e.amplitude};
             for (int m = 0; m < 4; m++)
                 off[m][s] += d[m] * d[m] / SHIFTS;
-            free(w);
         }
     }
     /* linear interpolation and the vertex: second order; the height at a vertex: third and more */
@@ -108,7 +107,7 @@ TEST(noise_moves_the_marks_little) {
     sp_front e = exact();
     for (uint64_t seed = 1; seed <= 200; seed++) {
         sp_random r = sp_random_make(seed, 99);
-        trace *w = sampled(0, 100, 0.02); /* fine: the noise makes a maximum at every third point */
+        RELEASED trace *w = sampled(0, 100, 0.02); /* fine: the noise makes a maximum at every third point */
         for (int64_t k = 0; k < w->n; k++) {
             double gauss = sqrt(-2 * log1p(-sp_random_uniform(&r))) * cos(6.283185307179586 * sp_random_uniform(&r));
             w->f[k] += 1e-3 * e.amplitude * gauss;
@@ -123,12 +122,11 @@ TEST(noise_moves_the_marks_little) {
             !(fabs(front.amplitude - e.amplitude) < 5e-3 * e.amplitude))
             fail_msg("seed %llu: t10 %g t_peak %g t_zero %g amplitude %g", (unsigned long long)seed, front.t10,
                      front.t_peak, front.t_zero, front.amplitude);
-        free(w);
     }
 }
 
 TEST(precursors_do_not_count) {
-    trace *w = sampled(0, 100, 0.1);
+    RELEASED trace *w = sampled(0, 100, 0.1);
     sp_front clean = find(w, 0);
     for (int64_t k = 0; k < w->n; k++) /* rounding before the front, maxima at 1e-17 and a crossing each time */
         w->f[k] += 1e-17 * sin(7 * w->t[k]);
@@ -140,11 +138,10 @@ TEST(precursors_do_not_count) {
         w->f[k] += 0.05;
     front = find(w, 0);
     assert_close(front.t10, clean.t10, 1e-13);
-    free(w);
 }
 
 TEST(crossings_before_the_peak_are_counted) {
-    trace *w = sampled(0, 100, 0.1);
+    RELEASED trace *w = sampled(0, 100, 0.1);
     sp_front clean = find(w, 0);
     assert_int_equal(clean.crossings, 1);
     for (int bump = 1; bump <= 3; bump++) { /* each above a tenth, below the prominence */
@@ -158,19 +155,17 @@ TEST(crossings_before_the_peak_are_counted) {
     for (int64_t k = 600; k < 700; k++) /* after the peak nothing counts */
         w->f[k] += (double)(k % 2);
     assert_int_equal(find(w, 0).crossings, 4);
-    free(w);
 }
 
 TEST(an_offset_is_told) {
-    trace *w = sampled(0, 100, 0.1);
+    RELEASED trace *w = sampled(0, 100, 0.1);
     for (int64_t k = 0; k < w->n; k++)
         w->f[k] += 0.5;
     assert_no_front(w, SP_EREFUSED, "0.1");
-    free(w);
 }
 
 TEST(a_second_higher_peak_does_not_count) {
-    trace *w = sampled(0, 300, 0.1);
+    RELEASED trace *w = sampled(0, 300, 0.1);
     sp_front clean = find(w, 0);
     for (int64_t k = 0; k < w->n; k++)
         w->f[k] += 4 * model(w->t[k] - 120);
@@ -182,7 +177,6 @@ TEST(a_second_higher_peak_does_not_count) {
     assert_close(front.t_peak, clean.t_peak + 120, 1e-6);
     front = find(w, 90); /* ... unless the window leaves the second out */
     assert_close(front.t_peak, clean.t_peak, 1e-12);
-    free(w);
 }
 
 TEST(noise_within_a_maximum_and_real_dips) {
@@ -236,7 +230,7 @@ TEST(uneven_times) {
 }
 
 TEST(negative_first_swing) {
-    trace *w = sampled(0, 100, 0.1);
+    RELEASED trace *w = sampled(0, 100, 0.1);
     sp_front clean = find(w, 0);
     for (int64_t k = 0; k < w->n; k++)
         w->f[k] -= 3 * exp(-0.5 * (w->t[k] - 10) * (w->t[k] - 10) / 4); /* three times as high, downwards */
@@ -244,12 +238,11 @@ TEST(negative_first_swing) {
     assert_close(front.t_peak, clean.t_peak, 1e-12);
     assert_close(front.t_zero, clean.t_zero, 1e-12);
     assert_true(front.t10 > clean.t10 && front.t10 < front.t_peak);
-    free(w);
 }
 
 TEST(traces_without_a_front) {
-    trace *w = sampled(0, 100, 0.1);
-    trace *v = calloc(1, sizeof *v);
+    RELEASED trace *w = sampled(0, 100, 0.1);
+    RELEASED trace *v = calloc(1, sizeof *v);
     assert_non_null(v);
     memcpy(v, w, sizeof *v);
     for (int64_t k = 0; k < v->n; k++)
@@ -277,8 +270,6 @@ TEST(traces_without_a_front) {
     for (int64_t k = 0; k < v->n; k++) /* an offset of 15% */
         v->f[k] += 0.15;
     assert_no_front(v, SP_EREFUSED, "0.1");
-    free(v);
-    free(w);
 }
 
 TEST(peaks_that_the_points_do_not_resolve) {
@@ -325,11 +316,11 @@ TEST(wrong_input) {
 
 /* A signal times any factor has the same times, as long as its numbers are numbers. */
 TEST(any_unit_of_force) {
-    trace *w = sampled(0, 100, 0.1);
+    RELEASED trace *w = sampled(0, 100, 0.1);
     sp_front one = find(w, 0);
     const double factor[] = {1e-300, 1e-30, 1e30, 1e307};
     for (int c = 0; c < 4; c++) {
-        trace *v = sampled(0, 100, 0.1);
+        RELEASED trace *v = sampled(0, 100, 0.1);
         for (int64_t k = 0; k < v->n; k++)
             v->f[k] *= factor[c];
         sp_front front = find(v, 0);
@@ -337,7 +328,6 @@ TEST(any_unit_of_force) {
         assert_close(front.t_peak, one.t_peak, 1e-9);
         assert_close(front.t_zero, one.t_zero, 1e-12);
         assert_close(front.amplitude / factor[c], one.amplitude, 1e-12);
-        free(v);
     }
     const double t[] = {0, 1, 2, 3, 4}, f[] = {-1e308, 1e308, -1e308, 1e308, -1e308};
     sp_front_options o = sp_front_options_default();
@@ -346,7 +336,6 @@ TEST(any_unit_of_force) {
     assert_close(front.t_peak, 1, 1e-15);
     assert_close(front.t10, 0.55, 1e-15);
     assert_close(front.t_zero, 1.5, 1e-15);
-    free(w);
 }
 
 RUN_TESTS(NULL, NULL)

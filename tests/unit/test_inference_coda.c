@@ -18,12 +18,12 @@ static sp_coda_options options_of(const double *t) { return (sp_coda_options){.t
 /* The kernel of a grain is the derivative of the signal by the logarithm of its stiffness: the error of a central
  * difference falls with the square of the step. */
 TEST(test_kernels) {
-    sp_packing p = reference_packing(SMALL);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = reference_packing(SMALL);
+    FREED(sp_network) net = network_of(&p, false);
     double t[TIMES], more[TIMES], less[TIMES];
     fill_times(t, 20, 200);
     const sp_coda_options o = options_of(t);
-    sp_coda c = sp_coda_none();
+    FREED(sp_coda) c = sp_coda_none();
     assert_ok(sp_coda_make(&net, &o, &c, &err));
     assert_int_equal(c.n, net.n);
     assert_int_equal(c.pairs, 1);
@@ -40,16 +40,13 @@ TEST(test_kernels) {
         assert_true(off[0] < 0.05 * size);
         assert_close(off[0] / off[1], 4, 0.3);
     }
-    sp_coda_free(&c);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* The signal at any times is that on equal spacings. */
 TEST(test_signal) {
-    sp_packing p = reference_packing(SMALL);
-    sp_network net = network_of(&p, false);
-    sp_signal s = sp_signal_none();
+    FREED(sp_packing) p = reference_packing(SMALL);
+    FREED(sp_network) net = network_of(&p, false);
+    FREED(sp_signal) s = sp_signal_none();
     sp_signal_options so = sp_signal_options_default();
     double t[TIMES], f[TIMES];
     fill_times(t, 0, 149);
@@ -59,20 +56,17 @@ TEST(test_signal) {
     assert_ok(sp_signal_make(&net, &so, &s, &err));
     assert_ok(sp_coda_signal(&net, &o, -1, 0, f, &err));
     assert_true(difference(TIMES, f, s.f) < 1e-7 * peak_of(TIMES, f));
-    sp_signal_free(&s);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* A small change without noise is found in every grain: place, size, and nothing left. */
 TEST(test_locate) {
-    sp_packing p = reference_packing(SMALL);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = reference_packing(SMALL);
+    FREED(sp_network) net = network_of(&p, false);
     double t[TIMES], before[TIMES], change[TIMES];
     fill_times(t, 60, 300);
     const sp_coda_options o = options_of(t);
-    sp_coda c = sp_coda_none();
-    sp_coda_candidate *found = calloc((size_t)net.n, sizeof *found);
+    FREED(sp_coda) c = sp_coda_none();
+    RELEASED sp_coda_candidate *found = calloc((size_t)net.n, sizeof *found);
     assert_ok(sp_coda_make(&net, &o, &c, &err));
     assert_ok(sp_coda_signal(&net, &o, -1, 0, before, &err));
     int hits = 0, tried = 0;
@@ -92,22 +86,18 @@ TEST(test_locate) {
             assert_relative(found[0].change, 1e-3, 0.05);
     }
     assert_true(hits > 0.95 * tried);
-    free(found);
-    sp_coda_free(&c);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* With noise the probabilities mean what they say: the true grain is within the most probable ones that together have
  * 90% in about 90% of the trials. */
 TEST(test_probabilities) {
-    sp_packing p = reference_packing(SMALL);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = reference_packing(SMALL);
+    FREED(sp_network) net = network_of(&p, false);
     double t[TIMES], before[TIMES], after[TIMES], change[TIMES];
     fill_times(t, 60, 300);
     const sp_coda_options o = options_of(t);
-    sp_coda c = sp_coda_none();
-    sp_coda_candidate *found = calloc((size_t)net.n, sizeof *found);
+    FREED(sp_coda) c = sp_coda_none();
+    RELEASED sp_coda_candidate *found = calloc((size_t)net.n, sizeof *found);
     assert_ok(sp_coda_make(&net, &o, &c, &err));
     assert_ok(sp_coda_signal(&net, &o, -1, 0, before, &err));
     const double noise = 5e-2 * peak_of(TIMES, before);
@@ -132,16 +122,12 @@ TEST(test_probabilities) {
     print_message("exact %d, covered %d of %d\n", exact, covered, TRIALS);
     assert_true(exact < TRIALS); /* else the noise tests nothing */
     assert_true(covered > 0.8 * TRIALS);
-    free(found);
-    sp_coda_free(&c);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Several sources and detectors know more: the error of the change falls. */
 TEST(test_pairs) {
-    sp_packing p = reference_packing(SMALL);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = reference_packing(SMALL);
+    FREED(sp_network) net = network_of(&p, false);
     double t[TIMES];
     const double width = p.box[0];
     const sp_place parts[2] = {{.kind = SP_PLACE_PART, .from = 0, .to = width / 2},
@@ -150,7 +136,7 @@ TEST(test_pairs) {
     sp_coda_options o = options_of(t);
     o.sources = o.detectors = 2;
     o.from = o.to = parts;
-    sp_coda whole = sp_coda_none(), halves = sp_coda_none();
+    FREED(sp_coda) whole = sp_coda_none(), halves = sp_coda_none();
     const sp_coda_options one = options_of(t);
     assert_ok(sp_coda_make(&net, &one, &whole, &err));
     assert_ok(sp_coda_make(&net, &o, &halves, &err));
@@ -164,17 +150,13 @@ TEST(test_pairs) {
             assert_close(sum, whole.kernel[(size_t)g * TIMES + (size_t)l],
                          1e-9 * peak_of(TIMES, whole.kernel + (size_t)g * TIMES));
         }
-    sp_coda_free(&halves);
-    sp_coda_free(&whole);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* All stiffnesses by a factor 1 + 2 e: speeds by 1 + e, and the signal by the same scale of time. */
 TEST(test_stretch) {
     enum { FINE = 3000 };
-    sp_packing p = reference_packing(SMALL);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = reference_packing(SMALL);
+    FREED(sp_network) net = network_of(&p, false);
     double *t = calloc(3 * FINE, sizeof *t), *before = t + FINE, *change = before + FINE, stretch, error;
     for (int l = 0; l < FINE; l++)
         t[l] = 50 + 0.05 * l;
@@ -191,15 +173,13 @@ TEST(test_stretch) {
     assert_relative(stretch, 1e-4, 5e-3);
     assert_true(error < 1e-6);
     free(t);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_refuses) {
-    sp_packing p = chain_packing(5, 1e-4);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = chain_packing(5, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
     double t[TIMES], change[TIMES] = {0};
-    sp_coda c = sp_coda_none();
+    FREED(sp_coda) c = sp_coda_none();
     sp_coda_candidate found[5];
     fill_times(t, 10, 60);
     sp_coda_options o = options_of(t);
@@ -214,21 +194,16 @@ TEST(test_refuses) {
     t[5] = t[4];
     sp_coda other = sp_coda_none();
     assert_fails(sp_coda_make(&net, &o, &other, &err), SP_EINVAL, "time 5");
-    sp_coda_free(&c);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_memory) {
-    sp_packing p = chain_packing(3, 1e-4);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = chain_packing(3, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
     double t[TIMES];
     fill_times(t, 10, 60);
     const sp_coda_options o = options_of(t);
     sp_coda c = sp_coda_none();
     EACH_ALLOCATION_FAILS(3, sp_coda_make(&net, &o, &c, &err), assert_true(!lacks || !c.kernel), sp_coda_free(&c));
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -1,5 +1,5 @@
 /* Design: the set of allowed factors, gradients against differences, and optima that are known. */
-#include "inference/design.h"
+#include "inference/design_problem.h"
 
 #include "making.h"
 #include "reference.h"
@@ -125,7 +125,7 @@ static void check_gradient(const sp_packing *p, sp_design_goal goal, sp_design_v
     double *weight = calloc(4 * n, sizeof *weight), *factor = weight + n, *gradient = factor + n, *way = gradient + n;
     double slope = 0;
     sp_design_value at, value[2];
-    uint8_t *rattler = calloc(n, 1);
+    RELEASED uint8_t *rattler = calloc(n, 1);
     o.goal = goal;
     o.vary = vary;
     o.band_low = 0.1;
@@ -147,16 +147,14 @@ static void check_gradient(const sp_packing *p, sp_design_goal goal, sp_design_v
         assert_ok(sp_design_evaluate(&d, factor, NULL, &value[side], NULL, &err));
     }
     assert_relative(slope, (value[0].objective - value[1].objective) / (2 * h), tolerance);
-    free(rattler);
     free(weight);
 }
 
 TEST(test_gradients) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     for (int goal = 0; goal < 3; goal++)
         for (int vary = SP_DESIGN_MASS; vary <= SP_DESIGN_MODULUS; vary++)
             check_gradient(&p, (sp_design_goal)goal, (sp_design_variable)vary, 1e-4, 1e-5);
-    sp_packing_free(&p);
 }
 
 /* Radii: the packing is really compressed again. The response is that of the springs without their prestress, which is
@@ -167,9 +165,8 @@ TEST(test_radius_gradient) {
     spec.width = 8;
     spec.friction = 0;
     spec.tolerance = 1e-13;
-    sp_packing p = make_packing(&spec);
+    FREED(sp_packing) p = make_packing(&spec);
     check_gradient(&p, SP_DESIGN_DELAY, SP_DESIGN_RADIUS, 1e-6, 0.1);
-    sp_packing_free(&p);
 }
 
 /* Rows of a triangular lattice move as a chain. Its optical and acoustic branches are apart where light and heavy rows
@@ -177,11 +174,11 @@ TEST(test_radius_gradient) {
 TEST(test_diatomic) {
     sp_pack_spec spec = sp_pack_spec_default();
     sp_design_options o = sp_design_options_default();
-    sp_design d = sp_design_none();
+    FREED(sp_design) d = sp_design_none();
     spec.kind = SP_PACK_TRIANGULAR;
     spec.grains = 120;
     spec.width = 6;
-    sp_packing p = make_packing(&spec);
+    FREED(sp_packing) p = make_packing(&spec);
     o.goal = SP_DESIGN_BAND;
     o.band_low = 0.45;
     o.band_high = 0.6;
@@ -201,17 +198,15 @@ TEST(test_diatomic) {
     assert_relative(mass, before, 1e-12);
     for (int row = 4; row < 9; row++) /* of 20; the design is symmetric about the middle */
         assert_true((d.factor[6 * row] - 1) * (d.factor[6 * (row + 1)] - 1) < 0);
-    sp_design_free(&d);
-    sp_packing_free(&p);
 }
 
 /* The front of the packing that comes out is that which the last step tells; every step gains. */
 TEST(test_front) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     for (int goal = SP_DESIGN_DELAY; goal <= SP_DESIGN_ADVANCE; goal++) {
         sp_design_options o = sp_design_options_default();
-        sp_design d = sp_design_none();
-        sp_signal s = sp_signal_none();
+        FREED(sp_design) d = sp_design_none();
+        FREED(sp_signal) s = sp_signal_none();
         sp_front front;
         o.goal = (sp_design_goal)goal;
         o.iterations = 8;
@@ -221,7 +216,7 @@ TEST(test_front) {
             assert_true(sign * (d.step[k].value - d.step[k - 1].value) > 0);
         assert_true(d.steps >= 2 && sign * log(d.step[d.steps - 1].value / d.step[0].value) > 0.05);
         assert_true(d.effective > 10 && d.effective < p.n);
-        sp_network net = network_of(&d.packing, false);
+        FREED(sp_network) net = network_of(&d.packing, false);
         sp_signal_options so = sp_signal_options_default();
         const sp_front_options rule = sp_front_options_default();
         so.until = sp_signal_window(p.box[1], p.pressure);
@@ -231,15 +226,11 @@ TEST(test_front) {
         assert_ok(sp_signal_make(&net, &so, &s, &err));
         assert_ok(sp_front_find(s.n, s.t, s.f, &rule, &front, &err));
         assert_relative(front.t10, d.step[d.steps - 1].value, 1e-3);
-        sp_signal_free(&s);
-        sp_network_free(&net);
-        sp_design_free(&d);
     }
-    sp_packing_free(&p);
 }
 
 TEST(test_refuses) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     sp_design d;
     sp_design_options o = sp_design_options_default();
     o.low = 1.2;
@@ -256,16 +247,14 @@ TEST(test_refuses) {
     o.vary = SP_DESIGN_RADIUS;
     assert_ok(sp_packing_alloc_masses(&p, &err));
     assert_fails(sp_design_make(&p, &o, &d, &err), SP_EREFUSED, "");
-    sp_packing_free(&p);
 }
 
 TEST(test_memory) {
-    sp_packing p = chain_packing(4, 1e-4);
+    FREED(sp_packing) p = chain_packing(4, 1e-4);
     sp_design_options o = sp_design_options_default();
     o.iterations = 2;
     sp_design d = sp_design_none();
     EACH_ALLOCATION_FAILS(10, sp_design_make(&p, &o, &d, &err), assert_true(!lacks || !d.factor), sp_design_free(&d));
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -15,12 +15,12 @@ static sp_packing drawn(const sp_packing *p, const sp_errors *e, int64_t sample)
 
 /* Without errors both kinds of measurements give the packing back, by the digits of its file. */
 TEST(test_exact) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     for (int kind = 0; kind < 2; kind++) {
         sp_errors e = sp_errors_default();
         e.measured = kind == 0 ? SP_MEASURED_FORCES : SP_MEASURED_OVERLAPS;
         e.position = e.radius = e.stiffness = e.false_part = 0.1; /* of sample -1 they do not count */
-        sp_packing q = drawn(&p, &e, -1);
+        FREED(sp_packing) q = drawn(&p, &e, -1);
         assert_int_equal(q.n_contacts, p.n_contacts);
         for (int k = 0; k < p.n_contacts; k++) {
             const sp_contact *a = &p.contacts[k], *b = &q.contacts[k];
@@ -33,14 +33,12 @@ TEST(test_exact) {
                 assert_close(b->ft[c], a->ft[c], 1e-9 * p.pressure);
             }
         }
-        sp_packing_free(&q);
     }
-    sp_packing_free(&p);
 }
 
 /* What each error does, in its distribution: 200 grains and 40 draws give 16000 coordinates. */
 TEST(test_distributions) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     sp_errors e = sp_errors_default();
     double moved = 0, grown = 0, force = 0, force_square = 0;
     int64_t coordinates = 0, radii = 0, forces = 0, listed = 0;
@@ -49,7 +47,7 @@ TEST(test_distributions) {
     e.force = 0.3;
     e.false_part = 0.1;
     for (int s = 0; s < 40; s++) {
-        sp_packing q = drawn(&p, &e, s);
+        FREED(sp_packing) q = drawn(&p, &e, s);
         for (int i = 0; i < p.n; i++, radii++) {
             for (int a = 0; a < 2; a++, coordinates++)
                 moved += pow(q.x[3 * i + a] - p.x[3 * i + a], 2);
@@ -67,7 +65,6 @@ TEST(test_distributions) {
                             1e-12);
         }
         listed += p.n_contacts;
-        sp_packing_free(&q);
     }
     const double c = (double)coordinates, r = (double)radii, f = (double)forces;
     assert_relative(sqrt(moved / c), 0.02, 4 / sqrt(2 * c)); /* four standard errors each */
@@ -75,19 +72,18 @@ TEST(test_distributions) {
     assert_close(force / f, 0, 4 * 0.3 / sqrt(f));
     assert_relative(sqrt(force_square / f), 0.3, 4 / sqrt(2 * f));
     assert_close(f / (double)listed, 0.9, 4 * sqrt(0.09 / (double)listed));
-    sp_packing_free(&p);
 }
 
 /* The same sample of half the error is half as far away. */
 TEST(test_nested) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     sp_errors e = sp_errors_default();
     e.position = 1e-3;
     e.stiffness = 0.2;
-    sp_packing far = drawn(&p, &e, 3);
+    FREED(sp_packing) far = drawn(&p, &e, 3);
     e.position /= 2;
     e.stiffness /= 2;
-    sp_packing near = drawn(&p, &e, 3);
+    FREED(sp_packing) near = drawn(&p, &e, 3);
     for (int i = 0; i < 3 * p.n; i++)
         assert_close(near.x[i] - p.x[i], 0.5 * (far.x[i] - p.x[i]), 1e-14);
     for (int k = 0; k < p.n_contacts; k++) {
@@ -95,19 +91,16 @@ TEST(test_nested) {
         assert_close(log(near.contacts[k].kn / kn), 0.5 * log(far.contacts[k].kn / kn), 1e-9);
         assert_relative(near.contacts[k].kt, contact_eta(p.poisson) * near.contacts[k].kn, 1e-12);
     }
-    sp_packing_free(&near);
-    sp_packing_free(&far);
-    sp_packing_free(&p);
 }
 
 /* Missing contacts join pairs that are not listed, within the gap, with weak forces. */
 TEST(test_missing) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     sp_errors e = sp_errors_default();
     int added = 0;
     e.missing = 1;
     e.gap = 0.02;
-    sp_packing q = drawn(&p, &e, 0);
+    FREED(sp_packing) q = drawn(&p, &e, 0);
     for (int k = 0; k < q.n_contacts; k++) {
         const sp_contact *c = &q.contacts[k];
         double d[3] = {0}, gap;
@@ -122,20 +115,17 @@ TEST(test_missing) {
     }
     assert_true(added > 20);
     e.gap = 0.002;
-    sp_packing less = drawn(&p, &e, 0);
+    FREED(sp_packing) less = drawn(&p, &e, 0);
     assert_true(less.n_contacts < q.n_contacts && less.n_contacts >= p.n_contacts);
-    sp_packing_free(&less);
-    sp_packing_free(&q);
-    sp_packing_free(&p);
 }
 
 /* From positions alone: an error far below the overlaps keeps nearly all contacts, one far above them loses many. */
 TEST(test_overlaps) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     sp_errors e = sp_errors_default();
     e.measured = SP_MEASURED_OVERLAPS;
     e.position = 1e-6;
-    sp_packing q = drawn(&p, &e, 0);
+    FREED(sp_packing) q = drawn(&p, &e, 0);
     assert_true(q.n_contacts > 0.99 * p.n_contacts);
     for (int k = 0; k < q.n_contacts; k++)
         assert_true(q.contacts[k].overlap > 0 && q.contacts[k].fn > 0);
@@ -143,8 +133,6 @@ TEST(test_overlaps) {
     e.position = 0.02;
     q = drawn(&p, &e, 0);
     assert_true(q.n_contacts < 0.8 * p.n_contacts);
-    sp_packing_free(&q);
-    sp_packing_free(&p);
 }
 
 TEST(test_refuses) {

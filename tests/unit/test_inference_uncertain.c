@@ -22,7 +22,7 @@ static sp_uncertainty made(const sp_packing *p, const sp_uncertainty_options *o)
 
 /* All stiffnesses times s, lognormal: times go as s^(-1/2), moduli as s. The moments of such numbers are known. */
 TEST(test_calibration) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     const struct {
         const char *name;
@@ -32,7 +32,7 @@ TEST(test_calibration) {
     o.errors.calibration = 0.2;
     o.samples = 400;
     o.modes = 2;
-    sp_uncertainty u = made(&p, &o);
+    FREED(sp_uncertainty) u = made(&p, &o);
     assert_int_equal(u.loose, 0);
     for (size_t k = 0; k < sizeof each / sizeof *each; k++) {
         const sp_uncertain *q = named(&u, each[k].name);
@@ -47,15 +47,13 @@ TEST(test_calibration) {
         assert_relative(q->share[SP_ERROR_CALIBRATION], 1.0, 1e-12);
         assert_int_equal(q->linear, SP_LINEAR_YES);
     }
-    sp_uncertainty_free(&u);
-    sp_packing_free(&p);
 }
 
 /* A chain of equal springs with independent errors: C22 = 1/sum(1/k), so that sd(C)/C = s/sqrt(N + 1), and
  * d ln(omega_1^2)/d ln k_c = 2/(N + 1) cos^2(pi (c + 1/2)/(N + 1)) with wall springs as the others. */
 TEST(test_chain) {
     enum { N = 9 };
-    sp_packing p = chain_packing(N, 1e-4);
+    FREED(sp_packing) p = chain_packing(N, 1e-4);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     double sum = 0;
     p.wall = SP_WALL_GRAIN;
@@ -65,7 +63,7 @@ TEST(test_chain) {
     o.modes = 1;
     o.margin = 0;
     o.samples = 2000;
-    sp_uncertainty u = made(&p, &o);
+    FREED(sp_uncertainty) u = made(&p, &o);
     const sp_uncertain *c22 = named(&u, "C22"), *omega = named(&u, "omega_1");
     assert_relative(c22->first_order, 0.03 / sqrt(N + 1) * c22->value, 1e-6);
     assert_relative(omega->first_order, 0.5 * 0.03 * 2.0 / (N + 1) * sqrt(sum) * omega->value, 1e-6);
@@ -73,25 +71,21 @@ TEST(test_chain) {
     for (int k = 0; k < u.n; k++)
         assert_close(u.quantity[k].sd, u.quantity[k].first_order,
                      4 * u.quantity[k].sd_error + 0.005 * u.quantity[k].first_order);
-    sp_uncertainty_free(&u);
-    sp_packing_free(&p);
 }
 
 /* A chain without one of its contacts carries no sound: such samples are counted. */
 TEST(test_loose) {
-    sp_packing p = chain_packing(9, 1e-4);
+    FREED(sp_packing) p = chain_packing(9, 1e-4);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     o.errors.false_part = 0.05;
     o.samples = 1000;
     o.moduli = false;
-    sp_uncertainty u = made(&p, &o);
+    FREED(sp_uncertainty) u = made(&p, &o);
     const double part = 1 - pow(0.95, 10);
     assert_close(u.loose / 1000.0, part, 4 * sqrt(part * (1 - part) / 1000));
     assert_true(u.why[0] != '\0');
     assert_int_equal(named(&u, "t10")->samples, 1000 - u.loose);
     assert_int_equal(named(&u, "t10")->linear, SP_LINEAR_NO);
-    sp_uncertainty_free(&u);
-    sp_packing_free(&p);
 }
 
 /* Small errors of each kind by itself, of both ways of measuring: the standard deviations of first order and of samples
@@ -103,7 +97,7 @@ static void check_agreement(const sp_packing *p, const sp_errors *errors) {
     o.samples = 250;
     o.modes = errors->stiffness > 0 || errors->radius > 0 ? 1 : 0; /* they take most of the time */
     o.threads = 2;
-    sp_uncertainty u = made(p, &o);
+    FREED(sp_uncertainty) u = made(p, &o);
     for (int k = 0; k < u.n; k++) {
         const sp_uncertain *q = &u.quantity[k];
         double shares = 0;
@@ -119,7 +113,6 @@ static void check_agreement(const sp_packing *p, const sp_errors *errors) {
     /* the quantities are correlated, so that the sum scatters more than that of independent ones */
     if (!(chi2 < 3 * u.n))
         fail_msg("chi^2 = %g of %d quantities", chi2, u.n);
-    sp_uncertainty_free(&u);
 }
 
 TEST(test_agreement) {
@@ -129,54 +122,47 @@ TEST(test_agreement) {
                               {.stiffness = 0.005},
                               {.measured = SP_MEASURED_OVERLAPS, .position = 1e-6},
                               {.measured = SP_MEASURED_OVERLAPS, .radius = 1e-6}};
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     for (size_t k = 0; k < sizeof each / sizeof *each; k++)
         check_agreement(&p, &each[k]);
-    sp_packing_free(&p);
 }
 
 /* Seeds decide, threads do not. */
 TEST(test_reproducible) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     o.errors.force = 0.1;
     o.samples = 12;
     o.first_order = false;
-    sp_uncertainty one = made(&p, &o);
+    FREED(sp_uncertainty) one = made(&p, &o);
     o.threads = 3;
-    sp_uncertainty same = made(&p, &o);
+    FREED(sp_uncertainty) same = made(&p, &o);
     o.seed = 2;
-    sp_uncertainty other = made(&p, &o);
+    FREED(sp_uncertainty) other = made(&p, &o);
     for (int k = 0; k < one.n; k++) {
         assert_true(one.quantity[k].sd == same.quantity[k].sd && one.quantity[k].bias == same.quantity[k].bias);
         assert_true(one.quantity[k].value == other.quantity[k].value);
         assert_true(one.quantity[k].sd != other.quantity[k].sd);
         assert_true(isnan(one.quantity[k].first_order) && one.quantity[k].linear == SP_LINEAR_UNKNOWN);
     }
-    sp_uncertainty_free(&one);
-    sp_uncertainty_free(&same);
-    sp_uncertainty_free(&other);
-    sp_packing_free(&p);
 }
 
 /* Errors of positions as large as overlaps are beyond first order, and it is told. */
 TEST(test_departs) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     o.errors.measured = SP_MEASURED_OVERLAPS;
     o.errors.position = 0.004;
     o.samples = 50;
     o.moduli = false;
-    sp_uncertainty u = made(&p, &o);
+    FREED(sp_uncertainty) u = made(&p, &o);
     assert_true(u.overlap > 0.001 && u.overlap < 0.01);
     assert_true(u.contacts < 0.95);
     assert_int_equal(named(&u, "t10")->linear, SP_LINEAR_NO);
-    sp_uncertainty_free(&u);
-    sp_packing_free(&p);
 }
 
 TEST(test_refuses) {
-    sp_packing p = reference_packing(SMALL);
+    FREED(sp_packing) p = reference_packing(SMALL);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     sp_uncertainty u;
     o.samples = 5;
@@ -190,12 +176,11 @@ TEST(test_refuses) {
     o = sp_uncertainty_options_default();
     o.errors.gap = INFINITY;
     assert_fails(sp_uncertainty_make(&p, &o, &u, &err), SP_EINVAL, "gap");
-    sp_packing_free(&p);
 }
 
 /* Every allocation fails once. */
 TEST(test_memory) {
-    sp_packing p = chain_packing(3, 1e-4);
+    FREED(sp_packing) p = chain_packing(3, 1e-4);
     sp_uncertainty_options o = sp_uncertainty_options_default();
     o.samples = 10;
     o.margin = 0;
@@ -204,7 +189,6 @@ TEST(test_memory) {
     sp_uncertainty u = sp_uncertainty_none();
     EACH_ALLOCATION_FAILS(10, sp_uncertainty_make(&p, &o, &u, &err), assert_true(!lacks || !u.quantity),
                           sp_uncertainty_free(&u));
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

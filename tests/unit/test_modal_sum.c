@@ -29,13 +29,13 @@ static void check(const sp_network *net, sp_source source, double until, const s
     o.to = to;
     o.method = SP_SIGNAL_CHEBYSHEV;
     o.tolerance = 1e-9;
-    sp_signal whole = signal_of(net, &o);
+    FREED(sp_signal) whole = signal_of(net, &o);
     const int64_t counts[] = {5, 40, 160, sp_network_dofs(net)};
     double before = HUGE_VAL;
     o.method = SP_SIGNAL_SPARSE;
     for (int q = 0; q < 4; q++) {
         o.modes = counts[q];
-        sp_signal s = signal_of(net, &o);
+        FREED(sp_signal) s = signal_of(net, &o);
         assert_int_equal(s.modes, counts[q]);
         assert_int_equal(s.method, SP_SIGNAL_SPARSE);
         for (int pair = 0; pair < 4; pair++) {
@@ -52,29 +52,27 @@ static void check(const sp_network *net, sp_source source, double until, const s
         }
         assert_true(s.error < before);
         before = s.error;
-        sp_signal_free(&s);
     }
-    sp_signal_free(&whole);
 }
 
 TEST(test_bound) {
     for (int shape = 0; shape < 3; shape++) {
-        sp_network net = kept_network(shape == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
-                                      : shape == 1 ? scattered_packing(3, 5, 0.5, 3)
-                                                   : chain_packing(450, 1e-4));
+        FREED(sp_network)
+        net = kept_network(shape == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
+                           : shape == 1 ? scattered_packing(3, 5, 0.5, 3)
+                                        : chain_packing(450, 1e-4));
         sp_place from[] = {sp_place_wall(), sp_place_wall()}, to[] = {sp_place_wall(), sp_place_wall()};
         from[1].kind = to[1].kind = SP_PLACE_GRAIN;
         from[1].grain = net.grain[3];
         to[1].grain = net.grain[net.n / 2];
         for (int source = 0; source < 3; source++)
             check(&net, (sp_source)source, shape == 2 ? 3000 : 150, from, to);
-        sp_network_free(&net);
     }
 }
 
 /* By itself as many modes as the tolerance needs; here all. */
 TEST(test_tolerance) {
-    sp_network net = kept_network(reference_packing(REFERENCE("packing_N200_p1e-4.txt")));
+    FREED(sp_network) net = kept_network(reference_packing(REFERENCE("packing_N200_p1e-4.txt")));
     sp_signal_options o = sp_signal_options_default();
     o.until = 100;
     o.points = 101;
@@ -107,18 +105,16 @@ TEST(test_tolerance) {
     o.modes = 0;
     o.tolerance = 1e-6;
     assert_fails(sp_signal_make(&net, &o, &s, &err), SP_EREFUSED, "chebyshev");
-    sp_network_free(&net);
 }
 
 TEST(test_no_memory) {
-    sp_network net = kept_network(chain_packing(420, 1e-4));
+    FREED(sp_network) net = kept_network(chain_packing(420, 1e-4));
     sp_signal_options o = sp_signal_options_default();
     o.until = 10;
     o.points = 11;
     o.method = SP_SIGNAL_SPARSE;
     o.modes = 3;
     lacks_memory(NULL, &net, &o, 30);
-    sp_network_free(&net);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -50,13 +50,6 @@ TEST(files_keep_every_bit) {
             assert_same_own(&p, &q);
             assert_true(sp_packing_hash(&p) == sp_packing_hash(&q));
             sp_packing_free(&q);
-            char grains[512], contacts[512];
-            snprintf(grains, sizeof grains, "%s/g.tsv", folder);
-            snprintf(contacts, sizeof contacts, "%s/c.tsv", folder);
-            assert_ok(sp_packing_save_tables(&p, grains, contacts, &err));
-            assert_ok(sp_packing_read_tables(grains, contacts, 0, NULL, &q, &err));
-            assert_same_own(&p, &q);
-            sp_packing_free(&q);
             const sp_status text = sp_packing_save_text(&p, fixture_path(folder, "p.txt"), NULL);
             assert_int_equal(text, own & 2 ? SP_EINVAL : SP_OK); /* has no columns for them */
             sp_packing_free(&p);

@@ -107,7 +107,7 @@ TEST(fronts_of_chains) {
         d.distance[r][0] = (double)grains[r];
         assert_ok(sp_chain_front(grains[r], SP_CHAIN_VELOCITY, &d.front[r][0], &err));
     }
-    sp_scaling s = scaling_of(&d);
+    FREED(sp_scaling) s = scaling_of(&d);
     for (int r = 0; r < 2; r++) {
         const double off = pow(s.row[r].between, -2.0 / 3);
         assert_close(s.row[r].gamma.value, 2.0 / 3, 1.5 * off);
@@ -118,7 +118,6 @@ TEST(fronts_of_chains) {
     }
     assert_close(s.gamma.value.value, 2.0 / 3, 2e-3);
     assert_true(isnan(s.gamma.value.error) && isnan(s.gamma.chi2) && s.gamma.freedom == 1);
-    sp_scaling_free(&s);
 }
 
 /* ---- known errors ------------------------------------------------------------------------------------------------ */
@@ -163,7 +162,7 @@ TEST(errors_cover) {
     for (int set = 0; set < SETS; set++) {
         data d = make(ROWS, N, false);
         scatter(&d, &random);
-        sp_scaling s = scaling_of(&d);
+        FREED(sp_scaling) s = scaling_of(&d);
         const double pull[PULLS] = {
             (s.row[1].gamma.value - 1.5) / s.row[1].gamma.error, (s.row[1].speed.value - 0.25) / s.row[1].speed.error,
             (s.row[0].alpha.value - 0.8) / s.row[0].alpha.error, (s.gamma.value.value - 1.5) / s.gamma.value.error,
@@ -177,7 +176,6 @@ TEST(errors_cover) {
             chi2[k] += one[k] / SETS;
         /* the fit's own error is the bootstrap's, to the noise of both: 1/sqrt(2 x 20) for each row */
         assert_relative(s.gamma.fit_error, s.gamma.value.error, 0.5);
-        sp_scaling_free(&s);
     }
     for (int k = 0; k < PULLS; k++) {
         const double spread = sqrt(squares[k] / SETS);
@@ -203,7 +201,7 @@ TEST(packings_are_drawn_whole) {
         }
         for (int k = 0; k < 10; k++)
             square += (ln[k] - mean) * (ln[k] - mean) / 9;
-        sp_scaling s = scaling_of(&d);
+        FREED(sp_scaling) s = scaling_of(&d);
         assert_close(s.row[0].gamma.value, 1.5, 1e-12);
         const double independent = sqrt(2 * square / 10) / mean / log(length[1] / length[0]);
         if (joint)
@@ -211,7 +209,6 @@ TEST(packings_are_drawn_whole) {
         else
             assert_relative(s.row[0].gamma.error, independent, 0.1); /* 1000 resamples: 2%, and ln is not straight */
         assert_int_equal(s.joint, joint);
-        sp_scaling_free(&s);
     }
 }
 
@@ -220,7 +217,7 @@ TEST(packings_are_drawn_whole) {
 
 TEST(few_samples_and_rows) {
     data d = make(3, 1, false);
-    sp_scaling s = scaling_of(&d);
+    FREED(sp_scaling) s = scaling_of(&d);
     assert_close(s.row[0].gamma.value, 1.5, 1e-12);
     assert_true(isnan(s.row[0].gamma.error) && isnan(s.row[0].t10.error) && isnan(s.row[0].speed.error));
     assert_close(s.gamma.value.value, 1.5, 1e-12);
@@ -250,7 +247,6 @@ TEST(few_samples_and_rows) {
     assert_close(s.gamma.value.value, 1.5, 1e-12);
     assert_int_equal(s.gamma.freedom, 0);
     assert_close(s.gamma.chi2, 0, 1e-12);
-    sp_scaling_free(&s);
 }
 
 TEST(missing_marks) {
@@ -260,7 +256,7 @@ TEST(missing_marks) {
     d.front[0][3] = none;                             /* one without a front */
     for (int k = 0; k < 4; k++)
         d.front[3][k].t_zero = NAN; /* a row without zero crossings */
-    sp_scaling s = scaling_of(&d);
+    FREED(sp_scaling) s = scaling_of(&d);
     assert_int_equal(s.row[0].samples, 3);
     assert_int_equal(s.row[1].samples, 4);
     for (int r = 0; r < 2; r++) {
@@ -280,7 +276,6 @@ TEST(missing_marks) {
     assert_int_equal(s.row[2].samples, 0);
     assert_true(isnan(s.row[2].distance.value) && isnan(s.row[1].gamma.value) && isnan(s.row[2].gamma.value));
     assert_int_equal(s.gamma.freedom, 1);
-    sp_scaling_free(&s);
 }
 
 TEST(values_without_logarithm) {
@@ -288,12 +283,11 @@ TEST(values_without_logarithm) {
     for (int k = 0; k < 3; k++)
         d.front[1][k].amplitude = -1;
     d.front[2][1].t10 = d.front[2][1].t_peak = d.front[2][1].t_zero = -1e4; /* <t10> falls */
-    sp_scaling s = scaling_of(&d);
+    FREED(sp_scaling) s = scaling_of(&d);
     assert_true(isnan(s.row[0].gamma.value) && isnan(s.row[1].gamma.value) && isnan(s.row[0].gamma.error));
     assert_int_equal(s.gamma.freedom, 0); /* two rows are left */
     assert_close(s.gamma.value.value, 1.5, 1e-12);
     assert_true(isnan(s.row[1].speed.value) && s.row[0].speed.value > 0);
-    sp_scaling_free(&s);
 }
 
 TEST(wrong_input) {

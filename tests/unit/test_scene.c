@@ -2,8 +2,10 @@
 #include "test.h"
 
 #include "base/base.h"
+#include "ensemble/sample.h"
 #include "scene/field.h"
 #include <sonopack/study/scene.h>
+#include <sonopack/study/study.h>
 #include <unistd.h>
 
 static sp_status parse(const char *text, sp_scene *out, sp_error *err) {
@@ -85,17 +87,6 @@ static void seeds_keep_their_64_bits(void **state) {
     assert_true(again.pack.seed == seed);
     sp_free(text);
     sp_scene_free(&again);
-    sp_scene_free(&s);
-}
-
-static void a_chain_has_one_dimension(void **state) {
-    (void)state;
-    sp_scene s;
-    assert_ok(parse("packing = { kind = \"chain\"; };", &s, &err));
-    assert_int_equal(s.pack.dim, 1);
-    sp_scene_free(&s);
-    assert_ok(set("packing.kind=chain", &s, &err));
-    assert_int_equal(s.pack.dim, 1);
     sp_scene_free(&s);
 }
 
@@ -193,41 +184,6 @@ static void text_reads_back_bit_for_bit(void **state) {
     }
 }
 
-static void sweeps_read_back(void **state) {
-    (void)state;
-    const char *source = "study = { samples = 3; sweep = (\n"
-                         "{ key = \"packing.pressure\"; values = [1e-7, 1e-4]; },\n"
-                         "{ key = \"packing.grains\"; values = [200, 6e2]; } ); };";
-    sp_scene s, back;
-    assert_ok(parse(source, &s, &err));
-    char *text = sp_scene_text(&s, NULL);
-    assert_ok(parse(text, &back, &err));
-    assert_int_equal(back.sweeps, 2);
-    assert_int_equal(back.samples, 3);
-    assert_string_equal(back.sweep[1].key, "packing.grains");
-    assert_int_equal(back.sweep[0].count, 2);
-    assert_true(back.sweep[0].values[0] == 1e-7 && back.sweep[0].values[1] == 1e-4);
-    assert_true(back.sweep[1].values[0] == 200 && back.sweep[1].values[1] == 600);
-    char *again = sp_scene_text(&back, NULL);
-    assert_string_equal(text, again);
-    sp_free(again);
-    sp_free(text);
-    sp_scene_free(&back);
-    sp_scene_free(&s);
-}
-
-static void text_of_one_group(void **state) {
-    (void)state;
-    sp_scene s = sp_scene_default();
-    char *text = sp_scene_text(&s, "network");
-    assert_non_null(strstr(text, "threshold"));
-    assert_null(strstr(text, "pressure"));
-    sp_free(text);
-    text = sp_scene_text(&s, "nowhere");
-    assert_string_equal(text, "");
-    sp_free(text);
-}
-
 static void help_names_every_key(void **state) {
     (void)state;
     char *help = sp_scene_help();
@@ -292,29 +248,67 @@ static void set_and_get_one_key(void **state) {
     sp_scene_free(&s);
 }
 
-/* Every allocation fails once: a reason, no leak (the sanitizers look), nothing written. */
-static void lack_of_memory(void **state) {
+/* ---- the group column ------------------------------------------------------------------------------------------- */
+
+static sp_status column_of(const char *override, sp_scene *out, sp_error *err) {
+    char *list[] = {(char *)(uintptr_t) override};
+    return sp_scene_read_tapped(NULL, override ? 1 : 0, list, out, err);
+}
+
+static void lists_are_one_number_or_several(void **state) {
     (void)state;
-    char want[] = "study.want=ctof", *list[] = {want};
-    const char *text = "study = { sweep = ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; } ); };";
-    sp_status status = SP_ENOMEM;
-    int64_t failures = 0;
-    for (int64_t after = 0; status == SP_ENOMEM; after++) {
-        sp_scene s;
-        sp_alloc_fail_after(after);
-        status = sp_scene_parse(text, "s.cfg", 1, list, &s, NULL);
-        sp_alloc_fail_after(-1);
-        failures += status == SP_ENOMEM;
-        if (status == SP_OK)
-            sp_scene_free(&s);
-    }
-    assert_int_equal(status, SP_OK);
-    assert_true(failures >= 3);
-    for (int64_t after = 0; after < 2; after++) {
-        sp_alloc_fail_after(after);
-        assert_null(sp_scene_help());
-        sp_alloc_fail_after(-1);
-    }
+    sp_scene s;
+    assert_ok(parse("column = { mass = 2; radius = [1, 0.5, 1]; };", &s, &err));
+    assert_int_equal(s.tapped.masses, 1);
+    assert_int_equal(s.tapped.radii, 3);
+    assert_true(s.tapped.mass[0] == 2 && s.tapped.radius[1] == 0.5);
+    assert_ptr_equal(s.tapped.mass, s.masses);
+    sp_scene_free(&s);
+    assert_ok(column_of("column.mass=1,2, 3", &s, &err));
+    assert_true(s.tapped.masses == 3 && s.tapped.mass[2] == 3);
+    sp_scene_free(&s);
+    assert_ok(column_of("column.mass=0.5", &s, &err));
+    assert_true(s.tapped.masses == 1 && s.tapped.mass[0] == 0.5);
+    sp_scene_free(&s);
+}
+
+static void each_check_is_for_its_own(void **state) {
+    (void)state;
+    char bad_packing[] = "packing.width=1", bad_column[] = "column.e=1", *packing[] = {bad_packing},
+         *column[] = {bad_column};
+    sp_scene s;
+    assert_ok(sp_scene_read(NULL, 1, column, &s, &err)); /* a packing has nothing to do with it */
+    sp_scene_free(&s);
+    assert_fails(sp_scene_read_tapped(NULL, 1, column, &s, &err), SP_EINVAL, "column.e 1");
+    assert_fails(sp_scene_read(NULL, 1, packing, &s, &err), SP_EINVAL, "packing.width");
+    assert_ok(sp_scene_read_tapped(NULL, 1, packing, &s, &err));
+    sp_scene_free(&s);
+}
+
+/* A store that was made without this group is found again with it. */
+static void samples_do_not_know_it(void **state) {
+    (void)state;
+    sp_scene plain, other;
+    char names[2][SP_NAME_MAX];
+    assert_ok(parse("packing = { kind = \"chain\"; grains = 5; };", &plain, &err));
+    assert_ok(parse("packing = { kind = \"chain\"; grains = 5; };"
+                    "column = { e = 0.5; mass = [1, 2]; output = \"energy\"; };",
+                    &other, &err));
+    sp_sample_name(&plain, names[0]);
+    sp_sample_name(&other, names[1]);
+    assert_string_equal(names[0], names[1]);
+    assert_string_not_equal(names[0], "");
+    assert_true(sp_signal_keys(&plain) == sp_signal_keys(&other));
+    char *one = sp_scene_text(&plain, NULL), *two = sp_scene_text(&other, NULL);
+    assert_string_equal(one, two);
+    sp_free(one);
+    sp_free(two);
+    sp_scene sample;
+    assert_ok(sp_study_scene(&other, 0, &sample, &err));
+    sp_scene_free(&sample); /* lists stay the study's */
+    assert_true(other.tapped.mass[1] == 2);
+    sp_scene_free(&plain);
+    sp_scene_free(&other);
 }
 
 int main(void) {
@@ -323,15 +317,14 @@ int main(void) {
         cmocka_unit_test(integers_and_reals_stand_for_each_other),
         cmocka_unit_test(every_word_and_switch_is_read),
         cmocka_unit_test(seeds_keep_their_64_bits),
-        cmocka_unit_test(a_chain_has_one_dimension),
         cmocka_unit_test(text_reads_back_bit_for_bit),
-        cmocka_unit_test(sweeps_read_back),
-        cmocka_unit_test(text_of_one_group),
         cmocka_unit_test(help_names_every_key),
         cmocka_unit_test(unknown_names_meet_the_nearest),
         cmocka_unit_test(overrides_win_and_are_checked),
         cmocka_unit_test(set_and_get_one_key),
-        cmocka_unit_test(lack_of_memory),
+        cmocka_unit_test(lists_are_one_number_or_several),
+        cmocka_unit_test(each_check_is_for_its_own),
+        cmocka_unit_test(samples_do_not_know_it),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

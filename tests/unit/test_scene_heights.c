@@ -164,13 +164,6 @@ static void overrides_of_swept_heights(void **state) {
     }
 }
 
-static void heights_that_make_no_sense(void **state) {
-    (void)state;
-    sp_scene s = parsed("packing = { height = 25; grains = 600; };", NULL); /* the default says nothing */
-    assert_true(s.pack.grains > 600);
-    sp_scene_free(&s);
-}
-
 /* The height that comes out, for packings small enough to be made here. */
 static void boxes_come_out_that_high(void **state) {
     (void)state;
@@ -218,7 +211,6 @@ int main(void) {
         cmocka_unit_test(names_stay),
         cmocka_unit_test(heights_and_widths_are_swept_together),
         cmocka_unit_test(overrides_of_swept_heights),
-        cmocka_unit_test(heights_that_make_no_sense),
         cmocka_unit_test(boxes_come_out_that_high),
         cmocka_unit_test(planes_are_read),
     };

@@ -59,6 +59,7 @@ static const struct {
     {"study = { sweep = 3; };", NULL, "study.sweep 3"},
     {SWEEP("key = \"packing.width\""), NULL, "study.sweep"},
     {SWEEP("key = \"packing.content\"; values = [1]"), NULL, "packing.content"},
+    {SWEEP("key = \"column.e\"; values = [0, 0.1]"), NULL, "study.sweep column.e"},
     {SWEEP("key = \"signal.sourse\"; values = [1]"), NULL, "s.cfg:2 signal.sourse signal.source"},
     {SWEEP("key = \"packing.grains\"; values = [200, 200]"), NULL, "packing.grains 200"},
     {SWEEP("key = \"packing.grains\"; values = [200,\n 0]"), NULL, "s.cfg:3 packing.grains 0"},

@@ -28,10 +28,10 @@ static double value_of(const sp_network *net, void *with) {
 
 /* Some springs or grains of all kinds, among them those of source and detector. */
 static void compare(const sp_packing *p, bool prestress, functional_case *c, double h) {
-    sp_network net = network_of(p, prestress);
+    FREED(sp_network) net = network_of(p, prestress);
     c->o.packing = p;
     c->o.parameters = SP_BY_KN | SP_BY_KT | SP_BY_MASS | (p->dim > 1 ? SP_BY_RADIUS | SP_BY_POSITION : 0);
-    sp_gradient g = gradient_of(&net, c);
+    FREED(sp_gradient) g = gradient_of(&net, c);
     double size = 0;
     for (int k = 0; k < net.n_springs; k++)
         size += fabs(net.springs[k].kn * g.kn.d[k]);
@@ -50,8 +50,6 @@ static void compare(const sp_packing *p, bool prestress, functional_case *c, dou
                         d->error[at] * scale_of(&net, p, (parameter){all[q], (int)at}) < 1e-8 * size);
         }
     }
-    sp_gradient_free(&g);
-    sp_network_free(&net);
 }
 
 static functional_case case_of(double t) {
@@ -64,7 +62,7 @@ TEST(test_disks) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 40;
     spec.width = 5;
-    sp_packing p = make_packing(&spec);
+    FREED(sp_packing) p = make_packing(&spec);
     functional_case c = case_of(60);
     follow(&p);
     compare(&p, false, &c, 1e-3);
@@ -74,20 +72,18 @@ TEST(test_disks) {
     compare(&p, false, &c, 1e-3);
     c.o.source = SP_SOURCE_VELOCITY;
     compare(&p, false, &c, 1e-3);
-    sp_packing_free(&p);
 }
 
 TEST(test_spheres) {
     static const int orders[TIMES] = {1, 0, 2};
     sp_pack_spec spec = spheres(60, 5, 0.3, 3);
-    sp_packing p = make_packing(&spec);
+    FREED(sp_packing) p = make_packing(&spec);
     functional_case c = case_of(60);
     follow(&p);
     compare(&p, false, &c, 1e-3);
     c.o.source = SP_SOURCE_DISPLACEMENT;
     c.order = orders;
     compare(&p, false, &c, 1e-3);
-    sp_packing_free(&p);
 }
 
 /* Without friction K with prestress is symmetric, and its forces at rest follow the positions. */
@@ -97,7 +93,7 @@ TEST(test_prestress) {
     spec.width = 5;
     spec.friction = 0;
     spec.pressure = 1e-3;
-    sp_packing p = make_packing(&spec);
+    FREED(sp_packing) p = make_packing(&spec);
     functional_case c = case_of(40);
     follow(&p);
     compare(&p, true, &c, 1e-3);
@@ -108,19 +104,17 @@ TEST(test_prestress) {
     p = make_packing(&spec);
     follow(&p);
     compare(&p, true, &c, 1e-3);
-    sp_packing_free(&p);
 }
 
 TEST(test_chain) {
-    sp_packing p = chain_packing(12, 1e-4);
+    FREED(sp_packing) p = chain_packing(12, 1e-4);
     functional_case c = case_of(60);
     compare(&p, false, &c, 1e-3);
-    sp_packing_free(&p);
 }
 
 /* Planes and grains in a cell without walls; a detector of shear; parts of walls. */
 TEST(test_places) {
-    sp_packing p = cells_triangular(6, 6, 1e-3, 0.5);
+    FREED(sp_packing) p = cells_triangular(6, 6, 1e-3, 0.5);
     const sp_place low = {.kind = SP_PLACE_PLANE, .height = 0.7}, high = {.kind = SP_PLACE_PLANE, .height = 3.1};
     const sp_place one = {.kind = SP_PLACE_GRAIN, .grain = 2, .shear = true},
                    two = {.kind = SP_PLACE_GRAIN, .grain = 20};
@@ -144,7 +138,6 @@ TEST(test_places) {
     c.o.from = &part;
     c.o.to = &part;
     compare(&p, false, &c, 1e-3);
-    sp_packing_free(&p);
 }
 
 TEST(test_pulses) {
@@ -152,7 +145,7 @@ TEST(test_pulses) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 40;
     spec.width = 5;
-    sp_packing p = make_packing(&spec);
+    FREED(sp_packing) p = make_packing(&spec);
     functional_case c = case_of(60);
     follow(&p);
     const sp_pulse gauss = {.kind = SP_PULSE_GAUSS, .width = 3}, ricker = {.kind = SP_PULSE_RICKER, .omega = 0.4};
@@ -161,17 +154,16 @@ TEST(test_pulses) {
     compare(&p, false, &c, 1e-3);
     c.o.pulse = &ricker;
     compare(&p, false, &c, 1e-3);
-    sp_packing_free(&p);
 }
 
 /* Values and fronts are those of signals. */
 TEST(test_values) {
-    sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
+    FREED(sp_network) net = network_of(&p, false);
     sp_signal_options o = sp_signal_options_default();
-    sp_signal s = sp_signal_none();
+    FREED(sp_signal) s = sp_signal_none();
     sp_front front;
-    sp_front_gradient g;
+    FREED(sp_front_gradient) g;
     const sp_front_options find = sp_front_options_default();
     o.until = 300;
     o.points = 3001;
@@ -179,7 +171,7 @@ TEST(test_values) {
     assert_ok(sp_signal_make(&net, &o, &s, &err));
     assert_ok(sp_front_find(s.n, s.t, s.f, &find, &front, &err));
     functional_case c = {.o = sp_sensitivity_options_default(), .t = {s.t[1000], s.t[1500], s.t[2000]}};
-    sp_gradient j = gradient_of(&net, &c);
+    FREED(sp_gradient) j = gradient_of(&net, &c);
     const double value = WEIGHTS[0] * s.f[1000] + WEIGHTS[1] * s.f[1500] + WEIGHTS[2] * s.f[2000];
     assert_true(fabs(j.value - value) <= j.error + 3 * s.error);
     assert_true(j.error < 1e-11 * peak_of(s.n, s.f));
@@ -197,27 +189,22 @@ TEST(test_values) {
     /* all springs stiffer: the same signal, sooner */
     assert_true(fabs(sum + 0.5 * g.found.t10) < 1e-10 * g.found.t10);
     assert_true(fabs(g.t10.homogeneity) < 1e-11 * g.t10.homogeneity_size);
-    sp_front_gradient_free(&g);
-    sp_gradient_free(&j);
-    sp_signal_free(&s);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Several blocks, which the fields reach one after the other, with two threads; the derivatives against differences in
  * the middle and at the walls. */
 TEST(test_blocks) {
-    sp_packing p = cells_triangular(40, 120, 1e-3, 0.5);
+    FREED(sp_packing) p = cells_triangular(40, 120, 1e-3, 0.5);
     const sp_place low = {.kind = SP_PLACE_PLANE, .height = 2}, high = {.kind = SP_PLACE_PLANE, .height = 60};
     functional_case c = case_of(200);
-    sp_network net = network_of(&p, false);
+    FREED(sp_network) net = network_of(&p, false);
     c.o.from = &low;
     c.o.to = &high;
     c.o.parameters = SP_BY_KN | SP_BY_KT | SP_BY_MASS | SP_BY_POSITION;
     c.o.packing = &p;
-    sp_gradient g = gradient_of(&net, &c);
+    FREED(sp_gradient) g = gradient_of(&net, &c);
     c.o.threads = 2;
-    sp_gradient h = gradient_of(&net, &c);
+    FREED(sp_gradient) h = gradient_of(&net, &c);
     double size = 0;
     for (int k = 0; k < net.n_springs; k++) {
         size += fabs(net.springs[k].kn * g.kn.d[k]);
@@ -229,10 +216,6 @@ TEST(test_blocks) {
         assert_derivative(&p, false, (parameter){SP_BY_KN, k}, g.kn.d[k], 1e-3, value_of, &c, size);
     for (int k = 3; k < net.n; k += 1000)
         assert_derivative(&p, false, (parameter){SP_BY_MASS, k}, g.mass.d[k], 1e-3, value_of, &c, size);
-    sp_gradient_free(&g);
-    sp_gradient_free(&h);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 typedef struct front_case {
@@ -261,9 +244,9 @@ static double front_value(const sp_network *net, void *with) {
 }
 
 static void compare_fronts(const sp_packing *p, front_case *c) {
-    sp_network net = network_of(p, false);
+    FREED(sp_network) net = network_of(p, false);
     for (int q = 0; q < 5; q++) {
-        sp_front_gradient g;
+        FREED(sp_front_gradient) g;
         c->which = (sp_front_quantity)(1 << q);
         c->o.parameters = SP_BY_KN | SP_BY_KT | SP_BY_MASS | SP_BY_RADIUS | SP_BY_POSITION;
         c->o.packing = p;
@@ -278,31 +261,28 @@ static void compare_fronts(const sp_packing *p, front_case *c) {
             assert_derivative(p, false, (parameter){all[a], at}, partials_of(d, all[a])->d[at], 1e-3, front_value, c,
                               100 * size);
         }
-        sp_front_gradient_free(&g);
     }
-    sp_network_free(&net);
 }
 
 TEST(test_fronts) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 80;
     spec.width = 5;
-    sp_packing p = make_packing(&spec);
+    FREED(sp_packing) p = make_packing(&spec);
     follow(&p);
     front_case c = {.o = sp_sensitivity_options_default()};
     compare_fronts(&p, &c);
     const sp_pulse gauss = {.kind = SP_PULSE_GAUSS, .width = 3};
     c.o.pulse = &gauss;
     compare_fronts(&p, &c);
-    sp_packing_free(&p);
 }
 
 TEST(test_refusals) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 40;
     spec.width = 5;
-    sp_packing p = make_packing(&spec);
-    sp_network net = network_of(&p, false), held = network_of(&p, true);
+    FREED(sp_packing) p = make_packing(&spec);
+    FREED(sp_network) net = network_of(&p, false), held = network_of(&p, true);
     const double t[1] = {30}, back[1] = {-1}, one[1] = {1};
     const int high[1] = {3};
     const sp_functional good = {1, t, one, NULL}, none = {0, t, one, NULL}, early = {1, back, one, NULL};
@@ -327,9 +307,6 @@ TEST(test_refusals) {
     const sp_pulse square = {.kind = SP_PULSE_SQUARE, .width = 3};
     o.pulse = &square;
     assert_int_equal(sp_sensitivity_signal(&net, &o, 1, &good, &g, &reason), SP_EINVAL);
-    sp_network_free(&net);
-    sp_network_free(&held);
-    sp_packing_free(&p);
 }
 
 /* Every allocation fails once: the reason is told, and nothing is left behind (the checks of memory see that). */
@@ -337,8 +314,8 @@ TEST(test_memory) {
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 30;
     spec.width = 5;
-    sp_packing p = make_packing(&spec);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = make_packing(&spec);
+    FREED(sp_network) net = network_of(&p, false);
     sp_sensitivity_options o = sp_sensitivity_options_default();
     sp_status status = SP_ENOMEM;
     o.packing = &p;
@@ -356,8 +333,6 @@ TEST(test_memory) {
             sp_front_gradient_free(&g);
     }
     assert_true(count > 50);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

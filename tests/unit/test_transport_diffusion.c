@@ -19,9 +19,9 @@ TEST(test_two_ways) {
     enum { PACKINGS = 4 };
     double spread = 0, squares = 0, kubo = 0;
     for (unsigned seed = 1; seed <= PACKINGS; seed++) {
-        sp_packing p = cells_packing(SP_CELL_PERIODIC, 2, 300, 0.9, NULL, 0, seed);
-        sp_network net = network_of(&p, false);
-        sp_modes modes = modes_of(&net);
+        FREED(sp_packing) p = cells_packing(SP_CELL_PERIODIC, 2, 300, 0.9, NULL, 0, seed);
+        FREED(sp_network) net = network_of(&p, false);
+        FREED(sp_modes) modes = modes_of(&net);
         const double omega = 0.35 * modes.omega[modes.n - 1];
         double mean = 0;
         sp_kubo_options ko = sp_kubo_options_default();
@@ -39,9 +39,6 @@ TEST(test_two_ways) {
         spread += mean / PACKINGS;
         squares += mean * mean / PACKINGS;
         kubo += k.d / PACKINGS;
-        sp_modes_free(&modes);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
     const double error = sqrt((squares - spread * spread) / (PACKINGS - 1));
     assert_true(error < 0.2 * spread);
@@ -52,9 +49,9 @@ TEST(test_two_ways) {
  * the square lattice of smooth grains half of the modes move along y, with omega = w sin(k a/2). */
 TEST(test_lattice) {
     enum { ROWS = 40 };
-    sp_packing p = cells_square(6, ROWS, 0, 1e-3, 0);
-    sp_network net = network_of(&p, false);
-    sp_modes modes = modes_of(&net);
+    FREED(sp_packing) p = cells_square(6, ROWS, 0, 1e-3, 0);
+    FREED(sp_network) net = network_of(&p, false);
+    FREED(sp_modes) modes = modes_of(&net);
     sp_kubo_options ko = sp_kubo_options_default();
     const sp_spread_options so = sp_spread_options_default();
     const double a = net.length[0], top = 2 * sqrt(net.springs[0].kn / net.mass[0]);
@@ -78,43 +75,44 @@ TEST(test_lattice) {
         assert_ok(sp_spread_make(&net, omega, &so, &s, &err));
         assert_true(isnan(s.d) && isnan(s.d_err) && isnan(s.d_shift));
     }
-    sp_modes_free(&modes);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_bad_input) {
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     sp_network net = network_of(&p, false), turning = network_of(&p, true);
     sp_modes modes = modes_of(&net), none = sp_modes_none();
-    sp_spread_options so = sp_spread_options_default();
-    sp_kubo_options ko = sp_kubo_options_default();
-    const double bad = NAN, good = 0.3, high = 50;
+    const sp_spread_options so = sp_spread_options_default();
+    const sp_split_options po = sp_split_options_default();
+    const sp_kubo_options ko = sp_kubo_options_default();
+    const double good = 0.3, bad = NAN;
     sp_spread s;
+    sp_split l;
     sp_kubo k;
-    assert_fails(sp_spread_make(&net, bad, &so, &s, &err), SP_EINVAL, "nan");
-    assert_fails(sp_spread_make(&net, high, &so, &s, &err), SP_EREFUSED, "50");
+    assert_fails(sp_spread_make(&net, NAN, &so, &s, &err), SP_EINVAL, "nan");
+    assert_fails(sp_spread_make(&net, 50, &so, &s, &err), SP_EREFUSED, "50");
     assert_fails(sp_spread_make(&turning, good, &so, &s, &err), SP_EREFUSED, "");
-    so.axis = 2;
-    assert_fails(sp_spread_make(&net, good, &so, &s, &err), SP_EINVAL, "2");
-    so = sp_spread_options_default();
-    so.sources = 1;
-    assert_fails(sp_spread_make(&net, good, &so, &s, &err), SP_EINVAL, "1");
-    so = sp_spread_options_default();
-    so.width = 0.7;
-    assert_fails(sp_spread_make(&net, good, &so, &s, &err), SP_EINVAL, "0.7");
-    so = sp_spread_options_default();
-    so.waves = 0;
-    assert_fails(sp_spread_make(&net, good, &so, &s, &err), SP_EINVAL, "0");
+    assert_fails(sp_split_make(&net, -1, &po, &l, &err), SP_EINVAL, "-1");
+    assert_fails(sp_split_make(&net, 50, &po, &l, &err), SP_EREFUSED, "50");
+    assert_fails(sp_split_make(&turning, good, &po, &l, &err), SP_EREFUSED, "");
     assert_fails(sp_kubo_make(&net, &modes, 1, &bad, &ko, &k, &err), SP_EINVAL, "nan");
     assert_fails(sp_kubo_make(&net, &none, 1, &good, &ko, &k, &err), SP_EINVAL, "modes");
-    ko.axis = 1;
-    assert_fails(sp_kubo_make(&net, &modes, 1, &good, &ko, &k, &err), SP_EREFUSED, "1");
-    ko.axis = 5;
-    assert_fails(sp_kubo_make(&net, &modes, 1, &good, &ko, &k, &err), SP_EINVAL, "5");
-    ko = sp_kubo_options_default();
-    ko.smear = 0;
-    assert_fails(sp_kubo_make(&net, &modes, 1, &good, &ko, &k, &err), SP_EINVAL, "0");
+#define WRONG(kind, change, status, words, ...)                                                                        \
+    do {                                                                                                               \
+        sp_##kind##_options o = sp_##kind##_options_default();                                                         \
+        change;                                                                                                        \
+        assert_fails(sp_##kind##_make(&net, __VA_ARGS__, &err), status, words);                                        \
+    } while (0)
+    WRONG(spread, o.axis = 2, SP_EINVAL, "2", good, &o, &s);
+    WRONG(spread, o.sources = 1, SP_EINVAL, "1", good, &o, &s);
+    WRONG(spread, o.width = 0.7, SP_EINVAL, "0.7", good, &o, &s);
+    WRONG(spread, o.waves = 0, SP_EINVAL, "0", good, &o, &s);
+    WRONG(split, o.sources = 1, SP_EINVAL, "1", good, &o, &l);
+    WRONG(split, o.width = 0, SP_EINVAL, "0", good, &o, &l);
+    WRONG(split, o.from = NAN, SP_EINVAL, "nan", good, &o, &l);
+    WRONG(kubo, o.axis = 1, SP_EREFUSED, "1", &modes, 1, &good, &o, &k);
+    WRONG(kubo, o.axis = 5, SP_EINVAL, "5", &modes, 1, &good, &o, &k);
+    WRONG(kubo, o.smear = 0, SP_EINVAL, "0", &modes, 1, &good, &o, &k);
+#undef WRONG
     sp_modes_free(&modes);
     sp_network_free(&turning);
     sp_network_free(&net);

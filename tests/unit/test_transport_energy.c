@@ -50,12 +50,13 @@ static double energy_between(const sp_network *net, motion *m, double low, doubl
 
 TEST(test_sum_is_the_energy) {
     for (int which = 0; which < 4; which++) {
-        sp_packing p = which == 0   ? reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt")
-                       : which == 1 ? scattered_packing(3, 3, 0.5, 7)
-                       : which == 2 ? chain_packing(40, 1e-4)
-                                    : cells_packing(SP_CELL_PERIODIC, 2, 60, 0.9, NULL, 0, 3);
-        sp_network net = network_of(&p, which == 3);
-        motion m = random_motion(&net, 3);
+        FREED(sp_packing)
+        p = which == 0   ? reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt")
+            : which == 1 ? scattered_packing(3, 3, 0.5, 7)
+            : which == 2 ? chain_packing(40, 1e-4)
+                         : cells_packing(SP_CELL_PERIODIC, 2, 60, 0.9, NULL, 0, 3);
+        FREED(sp_network) net = network_of(&p, which == 3);
+        FREED(motion) m = random_motion(&net, 3);
         double moment = 0, kinetic = 0, parts = 0;
         const double sum = energy_between(&net, &m, -1e9, 1e9, 0, &moment);
         for (int64_t k = 0; k < m.n; k++)
@@ -64,9 +65,6 @@ TEST(test_sum_is_the_energy) {
             parts += m.e[i].along + m.e[i].across + m.e[i].rotation;
         assert_relative(parts, kinetic, 1e-13);
         assert_relative(sum, kinetic + 0.5 * sp_network_energy2(&net, m.u), 1e-12);
-        motion_free(&m);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -98,9 +96,9 @@ static void integrate(const sp_network *net, motion *m, double until, const doub
 
 /* `moment`: there are walls across the axis, so that the current is the rate of the first moment. */
 static void check_balance(const sp_packing *p, bool prestress, int axis, bool moment) {
-    sp_network net = network_of(p, prestress);
+    FREED(sp_network) net = network_of(p, prestress);
     const double top = net.box[net.dim - 1], planes[2] = {0.3 * top, 0.7 * top};
-    motion m = random_motion(&net, planes[0]);
+    FREED(motion) m = random_motion(&net, planes[0]);
     double before_moment = 0, after_moment = 0, flow[3];
     const double before = energy_between(&net, &m, planes[0], planes[1], axis, &before_moment);
     integrate(&net, &m, 40, planes, axis, flow);
@@ -110,12 +108,10 @@ static void check_balance(const sp_packing *p, bool prestress, int axis, bool mo
     assert_close(after - before, flow[0] - flow[1], 1e-9 * all);
     if (moment)
         assert_close(after_moment - before_moment, flow[2], 1e-8 * all);
-    motion_free(&m);
-    sp_network_free(&net);
 }
 
 TEST(test_balance) {
-    sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
+    FREED(sp_packing) p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     check_balance(&p, false, 1, true);
     sp_packing_free(&p);
     p = chain_packing(40, 1e-4);
@@ -126,16 +122,15 @@ TEST(test_balance) {
     sp_packing_free(&p);
     p = cells_fcc_tilted(6, 1e-3, 0.5);
     check_balance(&p, false, 2, false);
-    sp_packing_free(&p);
 }
 
 /* u = cos(k y - omega t) along y in a square lattice: J/E = d omega/dk, with omega = 2 sqrt(kn/m) sin(k a/2). */
 TEST(test_group_velocity) {
     enum { ROWS = 24 };
-    sp_packing p = cells_square(5, ROWS, 1, 1e-3, 0);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = cells_square(5, ROWS, 1, 1e-3, 0);
+    FREED(sp_network) net = network_of(&p, false);
     const double a = net.length[0], root = sqrt(net.springs[0].kn / net.mass[0]);
-    motion m = random_motion(&net, 1e9);
+    FREED(motion) m = random_motion(&net, 1e9);
     for (int q = 1; q < ROWS / 2; q++) {
         const double k = 2 * M_PI * q / (ROWS * a), omega = 2 * root * sin(0.5 * k * a);
         double current = 0, sideways = 0, moment = 0;
@@ -150,16 +145,13 @@ TEST(test_group_velocity) {
         assert_close(sideways / energy, 0, 1e-12);
     }
     assert_fails(sp_transport_current(&net, m.u, m.v, 2, &(double){0}, &err), SP_EINVAL, "2");
-    motion_free(&m);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* The displacements after an impulse are those of sp_signal_field. */
 TEST(test_advance) {
-    sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
-    sp_network net = network_of(&p, false);
-    motion m = random_motion(&net, 1e9);
+    FREED(sp_packing) p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
+    FREED(sp_network) net = network_of(&p, false);
+    FREED(motion) m = random_motion(&net, 1e9);
     double *u = calloc((size_t)m.n, sizeof *u), t = 300;
     const sp_field_options spec = {.times = 1, .t = &t};
     assert_ok(sp_network_source(&net, SP_SOURCE_IMPULSE, m.v, &err));
@@ -171,18 +163,15 @@ TEST(test_advance) {
     assert_true(difference((int)m.n, u, m.u) < 1e-11 * peak_of((int)m.n, u));
     assert_fails(sp_transport_advance(&net, -1, m.u, m.v, NULL, &err), SP_EINVAL, "-1");
     free(u);
-    motion_free(&m);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* What a burst carries through a plane is what leaves the grains below it; all of it begins near the bottom. */
 TEST(test_burst) {
     enum { TIMES = 2001, PLANES = 2 };
-    sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N600_p1e-4.txt");
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = reference_packing(SOURCE_DIR "/packings/reference/packing_N600_p1e-4.txt");
+    FREED(sp_network) net = network_of(&p, false);
     double *t = calloc(TIMES, sizeof *t), *below = calloc(TIMES * PLANES, sizeof *below), drift = 1;
-    sp_flux *flux = calloc(TIMES * PLANES, sizeof *flux);
+    RELEASED sp_flux *flux = calloc(TIMES * PLANES, sizeof *flux);
     const double planes[PLANES] = {8, 16}, h = 0.1;
     assert_true(t && below && flux);
     for (int l = 0; l < TIMES; l++)
@@ -212,24 +201,19 @@ TEST(test_burst) {
     o = (sp_burst_options){
         .omega = 0.4, .width = 0.2, .times = 2, .t = (double[]){4, 3}, .planes = 1, .height = planes};
     assert_fails(sp_burst_make(&net, &o, few, flux, NULL, &err), SP_EINVAL, "3");
-    sp_packing periodic = cells_square(6, 6, 0, 1e-3, 0.5);
-    sp_network cell = network_of(&periodic, false);
+    FREED(sp_packing) periodic = cells_square(6, 6, 0, 1e-3, 0.5);
+    FREED(sp_network) cell = network_of(&periodic, false);
     o.t = t;
     assert_fails(sp_burst_make(&cell, &o, few, flux, NULL, &err), SP_EREFUSED, "walls");
-    sp_network_free(&cell);
-    sp_packing_free(&periodic);
     free(t);
     free(below);
-    free(flux);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Forces at rest that turn with their contacts have no energy. */
 TEST(test_no_energy) {
-    sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
-    sp_network net = network_of(&p, true);
-    motion m = random_motion(&net, 5);
+    FREED(sp_packing) p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
+    FREED(sp_network) net = network_of(&p, true);
+    FREED(motion) m = random_motion(&net, 5);
     sp_flux j;
     double x = 0;
     assert_true(net.carried);
@@ -237,16 +221,13 @@ TEST(test_no_energy) {
     assert_fails(sp_transport_flux(&net, m.u, m.v, 1, &x, &j, &err), SP_EREFUSED, "");
     assert_fails(sp_transport_current(&net, m.u, m.v, 0, &x, &err), SP_EREFUSED, "");
     assert_fails(sp_transport_advance(&net, 1, m.u, m.v, NULL, &err), SP_EREFUSED, "");
-    motion_free(&m);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* A motion whose energy is below 0 grows, and is told like any other that does. */
 TEST(test_growth) {
-    sp_packing p = without_tangential(scattered_packing(2, 4, 0.5, 5));
-    sp_network net = network_of(&p, true);
-    motion m = random_motion(&net, 5);
+    FREED(sp_packing) p = without_tangential(scattered_packing(2, 4, 0.5, 5));
+    FREED(sp_network) net = network_of(&p, true);
+    FREED(motion) m = random_motion(&net, 5);
     for (int32_t k = 0; k < net.n_springs; k++)
         net.springs[k].kp *= 1e3;
     for (int64_t k = 0; k < sp_network_dofs(&net); k++)
@@ -254,9 +235,6 @@ TEST(test_growth) {
     assert_ok(sp_network_find_bounds(&net, &err));
     assert_true(sp_network_energy2(&net, m.u) < 0);
     assert_fails(sp_transport_advance(&net, 3, m.u, m.v, NULL, &err), SP_EREFUSED, "unstable");
-    motion_free(&m);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

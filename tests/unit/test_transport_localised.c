@@ -10,10 +10,10 @@
  * |u_(n+1)/u_1| = prod m_j |omega_j^2 - omega^2| / prod k_j, the first spring left out. */
 TEST(test_modes_agree) {
     enum { N = 400 };
-    sp_packing p = chain_packing(N, 1e-4);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = chain_packing(N, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
     double *k = calloc(N + 1, sizeof *k), logs = 0;
-    sp_modes modes = sp_modes_none();
+    FREED(sp_modes) modes = sp_modes_none();
     sp_modes_options o = sp_modes_options_default();
     assert_non_null(k);
     assert_int_equal(net.n_springs, N + 1);
@@ -31,10 +31,7 @@ TEST(test_modes_agree) {
         assert_close(l.log_end, logs, 1e-7 * (1 + fabs(logs)));
         assert_true(l.gamma_err > 0);
     }
-    sp_modes_free(&modes);
     free(k);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_closed_form) {

@@ -23,11 +23,6 @@ SP_API sp_status sp_packing_read(const char *path, sp_packing *out, sp_error *er
 SP_API sp_status sp_packing_check_stated(const char *path, const sp_packing *p, const sp_audit *audit, sp_error *err);
 /* Writes the text form in one file ('packing_*.txt'). */
 SP_API sp_status sp_packing_save_text(const sp_packing *p, const char *path, sp_error *err);
-/* Reads the text form in two tables. keys: "key=value" texts that override the comment lines (pressure, friction,
- * poisson, width, height, ...). */
-SP_API sp_status sp_packing_read_tables(const char *grains, const char *contacts, int keys, char *const *key,
-                                        sp_packing *out, sp_error *err);
-SP_API sp_status sp_packing_save_tables(const sp_packing *p, const char *grains, const char *contacts, sp_error *err);
 
 /* A folder with one HDF5 file for each sample, and a cache of their numbers (manifest.tsv), which may be deleted: the
  * files decide. Several processes may use a store at once. */

@@ -9,32 +9,29 @@ the order of load(): grains, cell, contacts, walls, Hertz's law, and the packing
 """
 from __future__ import annotations
 
+import dataclasses
 import glob
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 
-from .. import _core
-from .._core import Floats, Path, c_path, call
+from .._core import Floats, InvalidInput, Path, c_path, call
 from .._packing import Packing
 from .._native import lib
 from .._records import Material
-from . import cell, complete, contacts, finish, forms, grains, lammps, law, mat, table, vtk, walls, xyz
+from . import contacts, finish, forms, grains, lammps, law, vtk, whole, xyz
 from ._faults import bad_file, bad_option
 from .export import Export, beside
 from .options import SAID, Options, keys_of, read_key
-from .work import Made, Report, Work
+from .work import Report, Work
 
 #: endings of files that save() writes, and the names of their forms
 ENDINGS = {".vtp": "vtp", ".data": "lammps-data", ".lammps": "lammps-data", ".dump": "lammps-dump", ".xyz": "xyz",
            ".extxyz": "xyz", ".csv": "csv", ".mat": "mat"}
-#: those with a place for displacements
-MOVING = ("vtp", "lammps-dump", "xyz", "csv", "mat")
-_OPTIONS = ("contacts", "walls", "columns", "types", "frame", "length_unit", "force_unit", "mass_unit", "kn",
-            "kt_ratio",
-            "thickness", "rest", "threads")
+_SINGLE: dict[str, Callable[[Export], bytes]] = {"lammps-data": lammps.write_data, "lammps-dump": lammps.write_dump,
+                                                 "xyz": xyz.write, "mat": whole.write_mat}
 
 
 # ---- reading --------------------------------------------------------------------------------------------------------
@@ -46,12 +43,12 @@ def read(path: Path, *, form: str = "auto", material: Material | None = None, **
     length_unit, force_unit, mass_unit, kn, kt_ratio, thickness, rest; and the keys of --set: friction=0.5, top=8.9,
     wall="elastic". packing.report says what was read: its lines() are what the command prints.
     """
-    options = Options(form, material=material, **{name: words.pop(name) for name in _OPTIONS if name in words})
-    if options.columns is not None and not isinstance(options.columns, str):
+    names = {field.name for field in dataclasses.fields(Options)} - {"keys"}
+    options = Options(form, material=material, **{name: words.pop(name) for name in names & set(words)})
+    if isinstance(options.columns, dict):
         options.columns = ",".join(f"{role}={name}" for role, name in options.columns.items())
     if options.types is not None and not isinstance(options.types, str):
-        options.types = ",".join(map(str, options.types if isinstance(options.types, (list, tuple))
-                                     else [options.types]))
+        options.types = ",".join(map(str, np.atleast_1d(options.types)))
     options.contacts, options.walls = (None if word is None else os.fspath(word)
                                        for word in (options.contacts, options.walls))
     options.keys = keys_of(words)
@@ -60,32 +57,26 @@ def read(path: Path, *, form: str = "auto", material: Material | None = None, **
     return packing
 
 
-def load(path: str, options: Options) -> Made:
-    """Reads a packing stage by stage."""
+def load(path: str, options: Options) -> tuple[Packing, Report]:
+    """Reads a packing stage by stage. Returns it and what there is to say about it."""
     form = options.form if options.form != "auto" else forms.form_of(path)
-    if form in ("vtp", "mat") or (form == "csv" and options.form == "auto" and options.contacts is None
-                                  and not options.keys
-                                  and complete.csv_is_whole(path)):
-        return _whole(path, form, options)
+    alone = form == "csv" and options.form == "auto" and options.contacts is None and not options.keys
+    if form in ("vtp", "mat") or (alone and whole.is_whole_csv(path)):
+        packing = whole.read(path, form, options.material)
+        walled = int((packing.contacts["j"] < 0).sum())
+        return packing, Report(form, packing.n, len(packing.contacts), walled, balance=_balance(packing))
     if form in ("auto", "ours"):
         raise bad_file(f"{path}: {'a packing of this program' if form == 'ours' else 'its form is not recognised'}; "
-                       f"--from must "
-                       "be lammps-data, lammps-dump, liggghts, yade, mercury, xyz, csv or photoelastic")
+                       "--from must be lammps-data, lammps-dump, liggghts, yade, mercury, xyz, csv or photoelastic")
     _check_options(options, form)
     with np.errstate(invalid="ignore", divide="ignore"):
         w = _read_files(path, options, form)
-        for stage in (grains.gather, grains.scale, cell.find, contacts.read, walls.read):
+        for stage in (grains.gather, grains.find_cell, contacts.read, contacts.read_walls):
             stage(w)
         w.roles.check(w.grains, w.contacts)
         law.complete(w)
         packing = finish.make(w)
         return (finish.rest(w, packing) if options.rest else packing), w.report
-
-
-def _whole(path: str, form: str, options: Options) -> Made:
-    packing = complete.read(path, form, options.material)
-    count = int((packing.contacts["j"] < 0).sum())
-    return packing, Report(form, packing.n, len(packing.contacts), count, balance=_balance(packing))
 
 
 def _balance(p: Packing) -> float:
@@ -102,13 +93,12 @@ def _check_options(o: Options, form: str) -> None:
             raise bad_option(f"the unit {unit:g}: must be positive")
     if o.material is None and o.thickness == o.thickness:
         raise bad_option("--thickness: needs the density of the disks, --material E=...,nu=...,rho=...")
-    if form != "photoelastic":
-        return
-    if o.material is None or o.kn != o.kn:
-        raise bad_option("photoelastic disks are no Hertzian spheres: give " + (
-            "--material E=...,nu=...,rho=... (their modulus and density)" if o.material is None
-            else "--kn, the stiffness of a contact"))
-    if o.contacts is None:
+    if form == "photoelastic" and o.material is None:
+        raise bad_option("photoelastic disks are no Hertzian spheres: give --material E=...,nu=...,rho=... (their "
+                         "modulus and density)")
+    if form == "photoelastic" and o.kn != o.kn:
+        raise bad_option("photoelastic disks are no Hertzian spheres: give --kn, the stiffness of a contact")
+    if form == "photoelastic" and o.contacts is None:
         raise bad_option("photoelastic: give --contacts, the file of frame,id1,id2,Ft,Fn")
 
 
@@ -123,25 +113,18 @@ def _read_files(path: str, o: Options, form: str) -> Work:
                 else forms.read_contacts(str(o.walls), form, frame))
     if listed is not None and listed.frame >= 0 and sheet.frame >= 0 and listed.frame != sheet.frame:
         raise bad_option(f"{path} is of frame {sheet.frame}, {o.contacts} of {listed.frame}; must be the same")
-    w = Work(path, o, form, sheet, listed, of_walls)
-    if sheet.frames > 1 and o.frame is None:
-        w.note(f"{path} has {sheet.frames} frames: the last, {sheet.frame}, is taken (--frame takes another)")
-    _take_keys(w)
-    return w
-
-
-def _take_keys(w: Work) -> None:
-    taken = ""
-    for key in SAID:
-        if key in w.o.keys or key not in w.grains.said:
-            continue
+    w = Work(path, o, form, (sheet, listed, of_walls))
+    if len(sheet.frames) > 1 and o.frame is None:
+        w.note(f"{path} has {len(sheet.frames)} frames: the last, {sheet.frame}, is taken (--frame takes another)")
+    said = [key for key in SAID if key in sheet.said and key not in o.keys]
+    for key in said:
         try:
-            w.o.keys[key] = read_key(key, w.grains.said[key])
-        except _core.InvalidInput as fault:
-            raise bad_option(f"{w.path}: {fault}") from None
-        taken += f" {key}={w.grains.said[key]}"
-    if taken:
-        w.note(f"from the head of the file:{taken}")
+            o.keys[key] = read_key(key, sheet.said[key])
+        except InvalidInput as fault:
+            raise bad_option(f"{path}: {fault}") from None
+    if said:
+        w.note("from the head of the file:" + "".join(f" {key}={sheet.said[key]}" for key in said))
+    return w
 
 
 def is_foreign(path: str) -> bool:
@@ -154,26 +137,23 @@ def series(path: Path, **words: Any) -> Iterator[Packing]:
     words: as of read(); contacts may be a file with the same frames, or a pattern with as many files."""
     name = os.fspath(path)
     files = sorted(glob.glob(os.path.join(name, "*") if os.path.isdir(name) else name)) or [name]
-    lists = sorted(glob.glob(os.fspath(words["contacts"]))) if words.get("contacts") not in (None, "overlap") else []
-    if len(files) > 1 or os.path.isdir(name):
-        if len(lists) > 1 and len(lists) != len(files):
-            raise bad_option(f"contacts: {len(lists)} files, must be one for each of the {len(files)}")
-        for k, file in enumerate(files):
-            yield Packing.read(file, **{**words, **({"contacts": lists[k]} if len(lists) > 1 else {})})
+    if len(files) == 1 and not os.path.isdir(name):
+        frames: list[int | None] = [*frames_of(files[0], words.get("form", "auto"))]
+        for frame in frames or [None]:
+            yield Packing.read(files[0], **{**words, "frame": frame})
         return
-    for frame in frames_of(files[0], words.get("form", "auto")) or [None]:
-        yield Packing.read(files[0], **{**words, "frame": frame})
+    lists = sorted(glob.glob(os.fspath(words.get("contacts") or "")))
+    if len(lists) > 1 and len(lists) != len(files):
+        raise bad_option(f"contacts: {len(lists)} files, must be one for each of the {len(files)}")
+    for k, file in enumerate(files):
+        yield Packing.read(file, **{**words, **({"contacts": lists[k]} if len(lists) > 1 else {})})
 
 
 def frames_of(path: Path, form: str = "auto") -> list[int]:
     """The frames of a file as it names them: time steps, or numbers; an empty list if it has none."""
     name = os.fspath(path)
     form = forms.form_of(name) if form == "auto" else form
-    if form in ("lammps-dump", "liggghts"):
-        return lammps.steps(name)
-    if form in ("xyz", "mercury"):
-        return list(range(forms.read(name, form).frames))
-    return table.frames_of(name) if form in ("csv", "photoelastic") else []
+    return forms.read(name, form).frames if form in forms.FORMS[1:] else []
 
 
 # ---- writing --------------------------------------------------------------------------------------------------------
@@ -185,26 +165,10 @@ def form_for(path: str) -> str | None:
 
 def files_for(form: str, path: str) -> list[str]:
     """The files that save() writes, the first of which is `path`."""
-    if form == "vtp":
-        return vtk.files_of(path)
-    return [path, beside(path, "-contacts.csv"), beside(path, "-packing.csv")] if form == "csv" else [path]
-
-
-def content(packing: Packing, form: str, path: str, *, si: Material | None = None, displacement: Floats | None = None,
-            rotation: Floats | None = None) -> dict[str, bytes]:
-    """What save() writes, file by file."""
-    call(lib.sp_packing_check, packing._c)
-    if displacement is not None and form not in MOVING:
-        raise bad_option(f"{path}: this form has no place for displacements")
-    for values in (displacement, rotation):
-        bad = np.flatnonzero(~np.isfinite(values).all(axis=1)) if values is not None else []
-        if len(bad):
-            raise bad_option(f"the displacement of grain {bad[0]} is not a finite number")
-    e = Export(packing, path, si, displacement, rotation)
-    if form in ("vtp", "csv"):
-        return vtk.write(e) if form == "vtp" else complete.write_csv(e)
-    return {path: {"lammps-data": lammps.write_data, "lammps-dump": lammps.write_dump, "xyz": xyz.write,
-                   "mat": mat.write}[form](e)}
+    plain = path.removesuffix(".gz")
+    csv = [plain, beside(plain, "-contacts.csv"), beside(plain, "-packing.csv")]
+    names = vtk.files_of(plain) if form == "vtp" else csv if form == "csv" else [plain]
+    return [name + path[len(plain):] for name in names]
 
 
 def save(packing: Packing, path: Path, *, form: str | None = None, si: bool = False, displacement: Floats | None = None,
@@ -213,25 +177,29 @@ def save(packing: Packing, path: Path, *, form: str | None = None, si: bool = Fa
     default that of the ending, which .gz may follow. si: in SI units, of the packing's material. displacement, rotation
     [n][3] are listed as they are."""
     name = os.fspath(path)
-    form = form or form_for(name)
-    if form not in ENDINGS.values():
+    form, plain = form or form_for(name), name.removesuffix(".gz")
+    if form is None or form not in ENDINGS.values():
         raise bad_option(f"{name}: the ending of a packing must be .h5, .txt or {', '.join(ENDINGS)}")
     if si and not packing.material.young > 0:
         raise bad_option("si: the packing has no material")
-    plain = name.removesuffix(".gz")
-    write_files({file + name[len(plain):]: data for file, data in content(
-        packing, form, plain, si=packing.material if si else None, displacement=displacement,
-        rotation=rotation).items()})
+    call(lib.sp_packing_check, packing._c)
+    if displacement is not None and form == "lammps-data":
+        raise bad_option(f"{name}: this form has no place for displacements")
+    for values in (displacement, rotation):
+        if values is not None and not np.isfinite(values).all():
+            bad = np.flatnonzero(~np.isfinite(values).all(axis=1))[0]
+            raise bad_option(f"the displacement of grain {bad} is not a finite number")
+    e = Export(packing, plain, packing.material if si else None, displacement, rotation)
+    files = (vtk.write(e) if form == "vtp" else whole.write_csv(e) if form == "csv" else {plain: _SINGLE[form](e)})
+    write_files({file + name[len(plain):]: data for file, data in files.items()})
 
 
 def write_files(files: dict[str, bytes]) -> None:
     """Writes all files, those that end in .gz packed. If one fails, those that were not there before are removed."""
     import gzip
-    new = []
+    new = [name for name in files if not os.path.lexists(name)]
     try:
         for name, data in files.items():
-            if not os.path.lexists(name):
-                new.append(name)
             packed = gzip.compress(data, 6, mtime=0) if name.endswith(".gz") else data
             call(lib.sp_text_save, c_path(name), packed, len(packed))
     except BaseException:

@@ -11,11 +11,15 @@ from typing import Any
 import numpy as np
 
 from .. import formats
-from .._command import Parser, cores, may_write, note, number, option, usage, whole
+from .._command import Failed, Parser, cores, may_write, note, number, option, usage, whole
+from .._core import Floats, c_path
+from .._native import lib
 from .._packing import Packing
 from .._records import Material
 from .._table import material_of
-from . import forms, motion, vtk
+from ..plot._inputs import Input
+from ..plot._motion import Motion, find_mode, find_snapshots
+from . import forms, vtk
 from .export import Export
 from .options import Options, read_keys
 from .work import modulus
@@ -52,24 +56,18 @@ these with .gz behind them. All but .pvd can be read again."""
 
 
 def parser() -> Parser:
+    """The options of the command."""
     p = Parser("convert", usage=_USAGE, epilog=_HELP,
-               description="Converts packings between HDF5 (.h5), a text file (.txt), "
-               "two tables, and the files of other programs.")
+               description="Converts packings between HDF5 (.h5), a text file (.txt), two tables, and the files of "
+                           "other programs.")
     p.add_argument("files", nargs="*", metavar="IN OUT", help=argparse.SUPPRESS)
     add = p.add_argument
     add("--grain-table", "--grains", dest="grains", metavar="FILE.tsv",
         help="table of grains: id x y [z] radius. --grains is its older name")
     add("--contact-table", "--contacts", dest="contacts", metavar="FILE.tsv",
         help="table of contacts: i j nx ny [nz] overlap Fn Ft. Its older name is --contacts, which with files of other "
-             "programs "
-             "names their list of contacts, or is overlap: all pairs that overlap")
-    _add_import(p.add_argument_group("Packings of other programs").add_argument)
-    _add_export(p.add_argument_group("Files for other programs").add_argument)
-    p.set_type("--material", option(_material_option))
-    return p
-
-
-def _add_import(add: Any) -> None:
+             "programs names their list of contacts, or is overlap: all pairs that overlap")
+    add = p.add_argument_group("Packings of other programs").add_argument
     unit, stiff = number(1e-30, 1e30), number(1e-300, 1e300)
     add("--from", dest="form", choices=forms.FORMS, default="auto", help="form of IN (auto)")
     add("--walls", metavar="FILE|overlap|balance|none",
@@ -85,17 +83,36 @@ def _add_import(add: Any) -> None:
     add("--kt-ratio", metavar="X", type=number(0, 100), help="tangential over normal stiffness (Mindlin's)")
     add("--thickness", metavar="H", type=stiff, help="grains are disks of this thickness, in units of the material")
     add("--rest", action="store_true", default=None, help="bring the grains to rest under their pressure")
-
-
-def _add_export(add: Any) -> None:
-    add("--to", metavar="KIND", help=f"form of OUT, in place of its ending: {', '.join(_KINDS)}")
-    add("--vectors", metavar="FILE", help="displacements to write: a file of modes, or a table of displacements of "
-                                          "this packing")
+    add = p.add_argument_group("Files for other programs").add_argument
+    add("--to", metavar="KIND", choices=tuple(_KINDS), help=f"form of OUT, in place of its ending: {', '.join(_KINDS)}")
+    add("--vectors", metavar="FILE",
+        help="displacements to write: a file of modes, or a table of displacements of this packing")
     add("--mode", metavar="N", type=whole(0, 10**15), help="displacements in mode N, of --vectors or computed")
-    add("--times", metavar="T|LOW:HIGH:N",
+    add("--times", metavar="T|LOW:HIGH:N", type=_times,
         help="displacements at these times after a pulse at the bottom wall; several need .pvd")
     add("--frames", metavar="N", type=whole(1, _MOST_FRAMES), help=".pvd of a mode: snapshots of one period (24)")
     add("--amplitude", metavar="D", type=number(0, 1e6), help=".pvd: largest displacement shown [d] (0.25)")
+    p.set_type("--material", option(_material_option))
+    return p
+
+
+def _times(text: str) -> list[float]:
+    """The type of --times: T, or LOW:HIGH:N."""
+    words = text.split(":")
+    if len(words) not in (1, 3):
+        raise argparse.ArgumentTypeError(f"{text:.60}: must be T or LOW:HIGH:N")
+    low = number(0, 1e9)(words[0])
+    if len(words) == 1:
+        return [low]
+    high, count = number(low, 1e9)(words[1]), whole(1, _MOST_FRAMES)(words[2])
+    return [low + (high - low) * k / max(count - 1, 1) for k in range(count)]
+
+
+def _material_option(text: str) -> Material:
+    """--material without d: the diameter is 0, that of the file."""
+    has_d = re.search(r"(^|[, ])d=", text)
+    material = material_of(text if has_d else text + ",d=1")
+    return material if has_d else dataclasses.replace(material, diameter=0.0)
 
 
 # ---- what is read and written ---------------------------------------------------------------------------------------
@@ -117,14 +134,16 @@ class _Job:
         return self.source is not None and self.grains is not None
 
     @property
-    def exports(self) -> bool:
-        return self.target is not None and self.ending not in (".h5", ".txt")
+    def moves(self) -> bool:
+        """Whether displacements are asked for."""
+        return bool(self.a.vectors) or self.a.mode is not None or self.a.times is not None
 
 
 def _job(a: argparse.Namespace) -> _Job:
     if len(a.files) > 2:
         raise usage(f"{len(a.files)} files; must be IN and OUT")
-    job = _Job(a, *(a.files + [None, None])[:2], a.grains, a.contacts)
+    source, target = (a.files + [None, None])[:2]
+    job = _Job(a, source, target, a.grains, a.contacts)
     if a.output and job.target:
         raise usage(f"OUT is given twice, as {job.target} and -o {a.output}")
     own_table = job.grains or (job.source or "").endswith(".tsv") and a.contacts != "overlap"
@@ -133,8 +152,7 @@ def _job(a: argparse.Namespace) -> _Job:
         for name in _IMPORT:
             if getattr(a, name) is not None:
                 raise usage(f"--{name.replace('_', '-')}: applies to files of other programs; {job.source or 'IN'} is "
-                            f"not "
-                            "recognised as one (--from FORM says its form)")
+                            "not recognised as one (--from FORM says its form)")
         return _own_files(job)
     job.target = a.output or job.target
     if not job.source or not job.target:
@@ -156,8 +174,7 @@ def _own_files(job: _Job) -> _Job:
         job.grains, job.target = job.target, None
     if (job.grains is None) != (job.contacts is None):
         raise usage(f"a table of {'grains' if job.grains else 'contacts'} alone: give both --grain-table and "
-                    f"--contact-table (or "
-                    "--grains and --contacts)")
+                    f"--contact-table (or --grains and --contacts)")
     if job.source == "-" and job.grains:
         job.source = None
     if job.source and not job.target:
@@ -174,61 +191,37 @@ def _choose_direction(job: _Job) -> _Job:
     if all(found) and packing:
         words = f"{job.source} {job.grains}", f"{job.grains} {job.source}"
         raise usage(f"{job.source} and both tables exist: use `convert {words[0]} --contact-table ...' to write the "
-                    f"tables, or "
-                    f"`convert {words[1]} --contact-table ...' to read them")
+                    f"tables, or `convert {words[1]} --contact-table ...' to read them")
     if all(found) or (not packing and any(found)):
         job.target, job.source = job.source, None
     return job
 
 
+# ---- checks before the work -----------------------------------------------------------------------------------------
+
 def _ending_of(a: argparse.Namespace, path: str) -> str:
     """The ending whose form OUT has: that of --to, or its own."""
-    if a.to is not None:
-        if a.to not in _KINDS:
-            raise usage(f"--to {a.to:.60}: must be h5, txt, pvd, vtp, lammps-data, lammps-dump, xyz, csv or mat")
-        return _KINDS[a.to]
-    own = os.path.splitext(path)[1]
-    if own in (".h5", ".hdf5", ".txt", ".pvd"):
-        return own.replace(".hdf5", ".h5")
+    own = os.path.splitext(path)[1].replace(".hdf5", ".h5")
+    if a.to is not None or own in (".h5", ".txt", ".pvd"):
+        return own if a.to is None else _KINDS[a.to]
     form = formats.form_for(path)
     if form is None:
         raise usage(f"{path}: its ending must be {_ENDINGS}; or use --to")
     return _KINDS[form]
 
 
-# ---- checks before the work -----------------------------------------------------------------------------------------
-
-def _times(text: str) -> list[float]:
-    """T, or LOW:HIGH:N."""
-    words = text.split(":")
-    try:
-        if len(words) not in (1, 3):
-            raise argparse.ArgumentTypeError("must be T or LOW:HIGH:N")
-        low = number(0, 1e9)(words[0])
-        if len(words) == 1:
-            return [low]
-        high, count = number(low, 1e9)(words[1]), whole(1, _MOST_FRAMES)(words[2])
-    except argparse.ArgumentTypeError as fault:
-        raise usage(f"--times {text:.60}: {fault}") from None
-    return [low + (high - low) * k / (count - 1) for k in range(count)] if count > 1 else [low]
-
-
-def _has_motion(a: argparse.Namespace) -> bool:
-    return bool(a.vectors) or a.mode is not None or a.times is not None
-
-
-def _check_motion(a: argparse.Namespace, ending: str, path: str) -> None:
-    times = _times(a.times) if a.times is not None else []
+def _check_motion(job: _Job) -> None:
+    a, ending = job.a, job.ending
     given = "frames" if a.frames is not None else "amplitude" if a.amplitude is not None else ""
-    if ending in (".h5", ".txt") and (_has_motion(a) or given):
-        raise usage(f"{path}: takes no displacements; the forms .vtp, .pvd, .dump, .xyz, .csv and .mat do")
-    if times and (a.vectors or a.mode is not None):
+    if ending in (".h5", ".txt") and (job.moves or given):
+        raise usage(f"{job.target}: takes no displacements; the forms .vtp, .pvd, .dump, .xyz, .csv and .mat do")
+    if a.times and (a.vectors or a.mode is not None):
         raise usage("--times: gives the motion after a pulse; not together with --vectors or --mode")
-    if ending != ".pvd" and len(times) > 1:
-        raise usage(f"--times {a.times:.60}: several times need an OUT that ends in .pvd")
+    if ending != ".pvd" and len(a.times or ()) > 1:
+        raise usage("--times LOW:HIGH:N: several times need an OUT that ends in .pvd")
     if ending != ".pvd" and given:
         raise usage(f"--{given}: applies only to an OUT that ends in .pvd")
-    if times and a.frames is not None:
+    if a.times and a.frames is not None:
         raise usage("--frames: applies only to a mode; --times has its own number")
 
 
@@ -236,54 +229,41 @@ def _outputs(job: _Job) -> list[str]:
     """The files of OUT, the first of which is OUT itself."""
     a, path = job.a, str(job.target)
     if job.ending == ".pvd":
-        count = len(_times(a.times)) if a.times is not None else a.frames or _FRAMES
-        return [path, *(vtk.frame_name(path, k) for k in range(count))]
-    form = formats.ENDINGS.get(job.ending)
-    packed = ".gz" if path.endswith(".gz") else ""
-    return [name + packed for name in formats.files_for(form, path.removesuffix(".gz"))] if form else [path]
+        return [path, *(vtk.frame_name(path, k) for k in range(len(a.times or ()) or a.frames or _FRAMES))]
+    return formats.files_for(formats.ENDINGS.get(job.ending, ""), path)
 
 
 def _check_output(job: _Job) -> None:
     a = job.a
     if job.target is not None:
         job.ending = _ending_of(a, job.target)
-        _check_motion(a, job.ending, job.target)
+        _check_motion(job)
         for k, name in enumerate(_outputs(job)):
             may_write(a, name, None, job.ending if k == 0 and a.to else None)
-    if a.units == "si" and (not job.exports or job.writes_tables):
+    if a.units == "si" and (job.ending in ("", ".h5", ".txt") or job.writes_tables):
         raise usage("--units si: packings are stored in d, E* and rho, in .h5, .txt and tables; files for other "
-                    "programs may be "
-                    "in SI")
+                    "programs may be in SI")
     for table in (job.grains, job.contacts) if job.writes_tables else ():
         may_write(a, str(table), None)
 
 
 # ---- reading --------------------------------------------------------------------------------------------------------
 
-def _import(job: _Job) -> Packing:
-    a = job.a
-    given = {name: getattr(a, name) for name in (*_IMPORT, "contacts") if getattr(a, name) is not None}
-    options = Options(a.form, material=a.material, threads=a.threads or cores(), keys=read_keys(a.set), **given)
-    packing, report = formats.load(str(job.source), options)
-    for line in report.lines(str(job.source)):
-        note(a, line)
-    return packing
-
-
 def _read(job: _Job) -> Packing:
     a = job.a
     if job.foreign:
-        return _import(job)
+        given = {name: getattr(a, name) for name in (*_IMPORT, "contacts") if getattr(a, name) is not None}
+        packing, report = formats.load(str(job.source), Options(
+            a.form, material=a.material, threads=a.threads or cores(), keys=read_keys(a.set), **given))
+        for line in report.lines(str(job.source)):
+            note(a, line)
+        return packing
     if job.source is None:
         keys = dict(text.partition("=")[::2] for text in a.set)
         return Packing.read_tables(str(job.grains), str(job.contacts), keys)
     if a.set:
         raise usage(f"--set {a.set[0]:.60}: applies only to tables; {job.source} has its own values")
     return Packing.read(job.source)
-
-
-def _text(m: Material) -> str:
-    return f"E={m.young!r},nu={m.poisson!r},rho={m.density!r},d={m.diameter!r}"
 
 
 def _take_material(job: _Job, packing: Packing) -> Packing:
@@ -299,7 +279,8 @@ def _take_material(job: _Job, packing: Packing) -> Packing:
             raise usage("material.d: is missing in --material; only files of other programs give it by their mean "
                         "diameter")
         if own.young > 0 and own != a.material:
-            note(a, f"{path}: --material replaces its material {_text(own)}")
+            note(a, f"{path}: --material replaces its material E={own.young!r},nu={own.poisson!r},rho={own.density!r},"
+                    f"d={own.diameter!r}")
         packing = packing.of_material(a.material)
     d = packing.material.diameter
     if packing.material.young > 0 and not 1e-7 <= d <= 0.1:
@@ -307,102 +288,110 @@ def _take_material(job: _Job, packing: Packing) -> Packing:
     return packing
 
 
+# ---- displacements --------------------------------------------------------------------------------------------------
+
+def _find(packing: Packing, number: int | None, vectors: str | None) -> Motion:
+    """A mode of a packing, by its number among all: computed, or of a file of modes; or a table of displacements."""
+    if vectors is None:
+        return find_mode([Input(packing)], number, None)
+    given = [Input(packing), Input(vectors)]
+    if not lib.sp_modes_file_looks(c_path(vectors)) and given[1].raw_table.metadata.get("motion") == "snapshot":
+        return find_snapshots(given, None, None)[0]
+    return find_mode(given, number, None)
+
+
+def _after_pulse(packing: Packing, times: list[float], threads: int) -> list[Motion]:
+    """The motion at times after a pulse of unit strength at the bottom wall."""
+    if packing.cell == "periodic":
+        raise Failed("the cell is periodic and has no walls, between which the pulse of --times passes: `sonopack "
+                     "signal' sends pulses from plane to plane (--from plane:Y --detector plane:Z)")
+    network = packing.network()
+    return [Motion(network, u, False) for u in network.field(np.array(times), threads=threads)]
+
+
+def _of_grains(motion: Motion, factor: float = 1.0) -> tuple[Floats, Floats | None]:
+    """Displacements and rotations of all grains [n][3]; rattlers do not move."""
+    net, n = motion.network, motion.network.packing.n
+    u, turn = np.zeros((n, 3)), np.zeros((n, 3)) if net.dof > net.dim else None
+    u[net.grain, :net.dim] = factor * motion.u[:, :net.dim]
+    if turn is not None:
+        turn[net.grain, 2 if net.dim == 2 else 0:] = factor * motion.u[:, net.dim:]
+    return u, turn
+
+
 # ---- writing --------------------------------------------------------------------------------------------------------
 
-def _factors(a: argparse.Namespace, packing: Packing, is_mode: bool) -> tuple[Material | None, float, float, float]:
-    """The material of SI units, and what displacements, rotations and times are multiplied by. A mode has |M^(1/2) u| =
-    1, so that its u is in 1/sqrt(rho d^3) and its rotations in 1/sqrt(rho d^5)."""
-    m = packing.material
-    if a.units != "si":
-        return None, 1.0, 1.0, 1.0
-    u = 1 / math.sqrt(m.density * math.pow(m.diameter, 3)) if is_mode else m.diameter
-    return m, u, u / m.diameter, m.diameter * math.sqrt(m.density / modulus(m))
-
-
-def _find_motion(job: _Job, packing: Packing) -> motion.Motion:
+def _find_motion(job: _Job, packing: Packing) -> list[Motion]:
+    """The mode, or the motion at each time."""
     a = job.a
     if job.source is None or job.foreign:
         raise usage("displacements need a packing file as IN: convert to .h5 first")
     if a.times is not None:
-        return motion.after_pulse(packing, _times(a.times), a.threads or cores())[0]
-    return motion.find(packing, a.mode, a.vectors)
+        return _after_pulse(packing, a.times, a.threads or cores())
+    return [_find(packing, a.mode, a.vectors)]
 
 
-def _moved(found: motion.Motion, factors: tuple[Any, ...], amount: float = 1.0) -> dict[str, Any]:
-    u, turn = found.of_grains(amount)
-    return {"displacement": factors[1] * u, "rotation": None if turn is None else factors[2] * turn}
-
-
-def _write_packing(job: _Job, packing: Packing) -> None:
-    a, path = job.a, str(job.target)
-    found = _find_motion(job, packing) if _has_motion(a) else None
-    factors = _factors(a, packing, found is not None and found.is_mode)
-    vectors = {} if found is None else _moved(found, factors)
-    plain = path.removesuffix(".gz")
-    files = formats.content(packing, formats.ENDINGS[job.ending], plain, si=factors[0], **vectors)
-    formats.write_files({name + path[len(plain):]: data for name, data in files.items()})
-    _note_losses(job, packing)
+def _moved(a: argparse.Namespace, one: Motion, amount: float = 1.0) -> dict[str, Any]:
+    """Displacements and rotations in the units of the file. A mode has |M^(1/2) u| = 1, so that its u is in 1/sqrt(rho
+    d^3) and its rotations in 1/sqrt(rho d^5)."""
+    m, (u, turn) = one.network.packing.material, _of_grains(one, amount)
+    scale = by_angle = 1.0
+    if a.units == "si":
+        scale = 1 / math.sqrt(m.density * math.pow(m.diameter, 3)) if one.is_mode else m.diameter
+        by_angle = scale / m.diameter
+    return {"displacement": scale * u, "rotation": None if turn is None else by_angle * turn}
 
 
 def _write_movie(job: _Job, packing: Packing) -> None:
     """A moving picture for ParaView: of a mode that swings, or of a wave that passes."""
-    a, path = job.a, str(job.target)
-    if a.times is not None:
-        times = _times(a.times)
-        frames = [(one, 1.0) for one in motion.after_pulse(packing, times, a.threads or cores())]
-    else:
-        one = _find_motion(job, packing)
-        if not one.is_mode:
-            raise usage(f"{a.vectors}: is a snapshot; a movie needs a mode, or --times LOW:HIGH:N")
-        count, period = a.frames or _FRAMES, 2 * math.pi / one.omega if one.omega > 0 else 1.0
-        times = [period * k / count for k in range(count)]
-        frames = [(one, math.cos(2 * math.pi * k / count)) for k in range(count)]
-    factors = _factors(a, packing, frames[0][0].is_mode)
-    dim = packing.dim
-    moving = [one for one, _ in frames[:1 if frames[0][0].is_mode else None]]
-    most = factors[1] * max(float(np.sqrt((one.u[:, :dim] ** 2).sum(axis=1)).max()) for one in moving)
-    shown = (factors[0].diameter if factors[0] else 1.0) * (_AMPLITUDE if a.amplitude is None else a.amplitude)
+    a, path, m = job.a, str(job.target), packing.material
+    si = a.units == "si"
+    moves = _find_motion(job, packing)
+    if a.times is None and not moves[0].is_mode:
+        raise usage(f"{a.vectors}: is a snapshot; a movie needs a mode, or --times LOW:HIGH:N")
+    times, frames = a.times, [_moved(a, one) for one in moves]
+    most = max(float(np.linalg.norm(one["displacement"], axis=1).max()) for one in frames)
+    if a.times is None:
+        count, omega = a.frames or _FRAMES, moves[0].omega
+        times = [(2 * math.pi / omega if omega > 0 else 1.0) * k / count for k in range(count)]
+        frames = [_moved(a, moves[0], math.cos(2 * math.pi * k / count)) for k in range(count)]
+    shown = (m.diameter if si else 1.0) * (_AMPLITUDE if a.amplitude is None else a.amplitude)
     scale = shown / most if most > 0 else 0.0
-    times = [time * factors[3] for time in times]
-    e, files = Export(packing, path, factors[0]), {}
-    for k, (one, amount) in enumerate(frames):
-        vectors = _moved(one, factors, amount)
-        e.displacement, e.rotation = vectors["displacement"], vectors["rotation"]
-        files[vtk.frame_name(path, k)] = vtk.write_frame(e, times[k], scale)
+    times = [time * (m.diameter * math.sqrt(m.density / modulus(m)) if si else 1.0) for time in times]
+    e, files = Export(packing, path, m if si else None), {}
+    for k, (time, one) in enumerate(zip(times, frames)):
+        e.displacement, e.rotation = one["displacement"], one["rotation"]
+        files[vtk.frame_name(path, k)] = vtk.write_frame(e, time, scale)
     formats.write_files({**files, path: vtk.write_index(path, times)})
     note(a, f"{path}: {len(times)} frames, displacements times {scale:.6g}")
 
 
 def _note_losses(job: _Job, p: Packing) -> None:
     """Says what a form that only knows grains leaves out."""
-    if job.ending not in (".dump", ".data", ".xyz"):
-        return
-    if (p.contacts["kn"] > 0).any():
+    if job.ending in (".dump", ".data", ".xyz") and (p.contacts["kn"] > 0).any():
         note(job.a, f"{job.target}: has no place for the stiffnesses of contacts, which are left out")
     if job.ending == ".dump":
-        walls = "" if p.cell == "periodic" else "walls and "
-        wall = "" if p.cell == "periodic" else f"--set wall={p.wall} "
-        note(job.a, f"{job.target}: has no place for {walls}friction: to read it again, {wall}--set "
-                    f"friction={p.friction:g}")
+        walls, wall = ("", "") if p.cell == "periodic" else ("walls and ", f"--set wall={p.wall} ")
+        note(job.a, f"{job.target}: has no place for {walls}friction: to read it again, {wall}--set friction="
+                    f"{p.friction:g}")
 
 
 def _write(job: _Job, packing: Packing) -> None:
-    if job.exports:
-        (_write_movie if job.ending == ".pvd" else _write_packing)(job, packing)
+    a = job.a
+    if job.ending == ".pvd":
+        _write_movie(job, packing)
+    elif job.ending in (".h5", ".txt"):
+        packing.save_as(str(job.target), job.ending)
     elif job.target is not None:
-        packing.save_as(job.target, job.ending)
+        vectors = _moved(a, _find_motion(job, packing)[0]) if job.moves else {}
+        formats.save(packing, job.target, form=formats.ENDINGS[job.ending], si=a.units == "si", **vectors)
+        _note_losses(job, packing)
     if job.writes_tables:
         packing.save_tables(str(job.grains), str(job.contacts))
 
 
-def _material_option(text: str) -> Material:
-    """--material without d: the diameter is 0, that of the file."""
-    has_d = re.search(r"(^|[, ])d=", text)
-    material = material_of(text if has_d else text + ",d=1")
-    return material if has_d else dataclasses.replace(material, diameter=0.0)
-
-
 def run(a: argparse.Namespace) -> int:
+    """Reads one packing and writes it."""
     job = _job(a)
     _check_output(job)
     packing = _take_material(job, _read(job))
@@ -410,6 +399,5 @@ def run(a: argparse.Namespace) -> int:
     m = packing.material
     si = f" E* ({1e-3 * packing.pressure * modulus(m):.6g} kPa)" if m.young > 0 else ""
     note(a, f"{job.source or job.grains} -> {job.target or job.grains}: {packing.n} grains, {len(packing.contacts)} "
-            f"contacts in "
-            f"{packing.dim}D at p = {packing.pressure:g}{si}")
+            f"contacts in {packing.dim}D at p = {packing.pressure:g}{si}")
     return 0

@@ -2,7 +2,6 @@
 piston, and our protocol. Lengths in mean diameters, density and E* of the grains 1."""
 from __future__ import annotations
 
-import dataclasses
 import math
 from typing import Any
 
@@ -15,7 +14,7 @@ from ._faults import bad_option
 from .export import number_text as n
 from .export import rows_of
 from .law import eta
-from .work import PI
+from .work import sphere_mass
 
 #: files of a run in its folder; WORDS is what LAMMPS and its launcher print, RESULT one line, written last
 GAS, INPUT, SCENE, WORDS, LOG, GRAINS, CONTACTS, RESULT = FILES = (
@@ -32,59 +31,23 @@ def check(given: Any) -> None:
     """Refuses a spec that LAMMPS cannot make."""
     call(lib.sp_pack_spec_check, given)
     s = lib.sp_pack_spec_resolve(given)
-    for wrong, key, value, rule in (
-            (s.kind != lib.SP_PACK_PISTON, "kind", "", 'must be "piston" for --engine lammps'),
-            (s.cell != lib.SP_CELL_PISTON, "cell", "", 'must be "piston" for --engine lammps'),
-            (s.tangential != lib.SP_TANGENTIAL_CONSTANT, "tangential", "", 'must be "constant" for --engine lammps'),
-            (s.gravity != 0, "gravity", f" = {s.gravity:g}", "must be 0 for --engine lammps"),
-            (s.protocol == lib.SP_PROTOCOL_AFFINE, "protocol", ' = "affine"',
-             "must be another for --engine lammps, which pushes with a piston"),
-            (s.compression != lib.SP_COMPRESSION_PISTON, "compression", "", 'must be "piston" for --engine lammps'),
-            (s.history_count > 0, "history", f" = ({s.history_count} pressures)", "must be empty for --engine lammps; "
-                                                                                  "give the "
-             'packing that it makes to packing.kind = "file"'),
-            (getattr(s, "reference", False), "reference", " = true", "must be false for --engine lammps"),
-            (s.viscous_limit != 1 and s.viscous_limit < 1000, "viscous_limit", f" = {s.viscous_limit:g}",
-             "must be 1, or at least 1000 (no limit), for --engine lammps")):
+    for wrong, key, rule in (
+            (s.kind != lib.SP_PACK_PISTON, "kind", ': must be "piston"'),
+            (s.cell != lib.SP_CELL_PISTON, "cell", ': must be "piston"'),
+            (s.tangential != lib.SP_TANGENTIAL_CONSTANT, "tangential", ': must be "constant"'),
+            (s.gravity != 0, "gravity", f" = {s.gravity:g}: must be 0"),
+            (s.protocol == lib.SP_PROTOCOL_AFFINE, "protocol", ' = "affine": must be another'),
+            (s.compression != lib.SP_COMPRESSION_PISTON, "compression", ': must be "piston"'),
+            (s.history_count > 0, "history", f" = ({s.history_count} pressures): must be empty, and the packing that "
+                                             'is made given to packing.kind = "file",'),
+            (getattr(s, "reference", False), "reference", " = true: must be false"),
+            (s.viscous_limit != 1 and s.viscous_limit < 1000, "viscous_limit",
+             f" = {s.viscous_limit:g}: must be 1, or at least 1000 (no limit),")):
         if wrong:
-            raise bad_option(f"{value}: {rule}", f"packing.{key}")
-
-
-@dataclasses.dataclass
-class Deck:
-    """What the input script says in numbers."""
-
-    dim: int
-    grains: int
-    period: tuple[float, float]
-    height: float  # of the gas
-    pressure: float
-    friction: float
-    kn: float  # F_n = kn sqrt(R12) n^(3/2) and k_t = kt sqrt(R12 n) of two grains; walls: twice
-    kt: float
-    restitution: float  # for which `damping tsuji' has the fraction of critical damping that is wanted
-    tangential_damping: float  # viscous tangential over viscous normal coefficient
-    free_viscosity: bool  # Coulomb's law does not limit the viscous tangential force, which has contacts of its own
-    weak_damping: float
-    piston_mass: float
-    smallest: float  # diameter
-    step: float
-    skin: float  # of the neighbour lists
-    calm: float  # largest acceleration at which a global damping begins
-    drag: float  # its rate
-    steps: int  # at most
-
-    @property
-    def rest(self) -> float:
-        """Largest acceleration at which the run ends."""
-        return _REST * self.pressure
+            raise bad_option(f"{rule} for --engine lammps", f"packing.{key}")
 
 
 # ---- numbers --------------------------------------------------------------------------------------------------------
-
-def _tsuji(e: float) -> float:
-    return 1.2728 + e * (-4.2783 + e * (11.087 + e * (-22.348 + e * (27.467 + e * (-18.022 + e * 4.8218)))))
-
 
 def restitution(alpha: float) -> float:
     """The number for which the polynomial of `damping tsuji' is alpha. Between 0 and 1 it falls from 1.2728 to 0, and
@@ -96,6 +59,10 @@ def restitution(alpha: float) -> float:
     return 0.5 * (low + high)
 
 
+def _tsuji(e: float) -> float:
+    return 1.2728 + e * (-4.2783 + e * (11.087 + e * (-22.348 + e * (27.467 + e * (-18.022 + e * 4.8218)))))
+
+
 def pressure_of(s: Any) -> float:
     """Pressure under which LAMMPS packs: that of the spec unless it would push grains through each other."""
     small = s.diameter_min / lib.sp_sizes_moment(ffi.addressof(s), 1)
@@ -103,43 +70,21 @@ def pressure_of(s: Any) -> float:
 
 
 def _mass(r: float) -> float:
-    return 4.0 / 3.0 * PI * r * r * r
+    return float(sphere_mass(r))  # type: ignore[arg-type]
 
 
-def _loaded(s: Any, pressure: float) -> float:
-    """Stiffness of a wall contact of the largest grain under so many times the load of one grain."""
-    e = math.sqrt(0.5 * s.diameter_max)
-    return 2 * e * math.sqrt(math.pow(0.75 * (10 * pressure * (s.diameter_max * s.diameter_max)) / e, 2 / 3))
-
-
-def _struck(s: Any, pressure: float, height: float) -> float:
-    """The same at the impact of the piston, which pressure has accelerated over the whole height of the gas."""
+def _step(s: Any, pressure: float, height: float) -> float:
+    """The time step for the stiffest contact: with a wall, of the largest grain, under ten times the load of one grain,
+    or at the impact of the piston, which pressure has accelerated over the whole height of the gas."""
     r = 0.5 * s.diameter_max
-    e, square = math.sqrt(r), 2 * pressure * height / s.piston_mass
-    return 2 * e * math.sqrt(math.pow(0.9375 * _mass(r) * square / e, 0.4))
-
-
-def _step(s: Any, stiffness: float) -> float:
+    e = math.sqrt(r)
+    loaded = 2 * e * math.sqrt(math.pow(0.75 * (10 * pressure * (s.diameter_max * s.diameter_max)) / e, 2 / 3))
+    struck = 2 * e * math.sqrt(math.pow(0.9375 * _mass(r) * (2 * pressure * height / s.piston_mass) / e, 0.4))
     viscous = 6.25 * s.damping  # a lighter damping allows longer steps
     stable, usual = (math.sqrt(v * v + 4) - v for v in (viscous, 6.25 * 0.8))
     step = min(s.time_step, _DEFAULT_STEP)  # longer steps need grains with more inertia, which LAMMPS does not have
     factor = _STEP_AT_DEFAULT * step / _DEFAULT_STEP * min(2, stable / usual)
-    return factor * math.sqrt(_mass(0.5 * s.diameter_min) / stiffness)
-
-
-def plan(s: Any, height: float) -> Deck:
-    """The numbers for a resolved spec and a gas of this height."""
-    p, area, ratio = pressure_of(s), s.width * (s.depth if s.dim == 3 else 1), eta(s.poisson)
-    longest = max(s.width, s.depth, 0.5 * height)
-    # c = 2 zeta sqrt(m k_n) with k_n = 1.5 F_n/n; tsuji: c = alpha sqrt(m F_n/n)
-    alpha = 2 * s.damping * math.sqrt(1.5)
-    free = s.friction > 0 and s.viscous_limit > 1
-    most = s.max_steps or int(4e6 * max(1, height / 75) * max(1, math.pow(s.pressure / 1e-4, -0.3)))
-    return Deck(s.dim, s.grains, (s.width, s.depth), height, p, s.friction, 2.0 / 3.0, ratio if s.friction > 0 else 0.0,
-                restitution(alpha), math.sqrt(ratio) if s.friction > 0 else 0.0, free,
-                math.sqrt(ratio / _WEAK) * alpha / _tsuji(0.1) if free else 0.0, s.piston_mass * area, s.diameter_min,
-                _step(s, max(_loaded(s, p), _struck(s, p, height))), 0.15 * s.diameter_max, s.calm * p,
-                s.drag * math.pow(p / 1e-4, 1 / 3) * min(1, 30 / longest), most)
+    return float(factor * math.sqrt(_mass(0.5 * s.diameter_min) / max(loaded, struck)))
 
 
 # ---- gas ------------------------------------------------------------------------------------------------------------
@@ -157,63 +102,75 @@ def files(given: Any) -> dict[str, bytes]:
     s = lib.sp_pack_spec_resolve(given)
     r, x, height = radii(s), np.zeros((s.grains, 3)), ffi.new("double *")
     call(lib.sp_gas_make, ffi.addressof(s), _core.pointer_to(r), _core.pointer_to(x), height)
-    d = plan(s, height[0])
-    return {GAS: _gas(d, r, x), INPUT: _script(d).encode()}
+    return {GAS: _gas(s, r, x, height[0]), INPUT: _script(s, height[0]).encode()}
 
 
-def _gas(d: Deck, r: Floats, x: Floats) -> bytes:
+def _piston_mass(s: Any) -> float:
+    return float(s.piston_mass * (s.width * (s.depth if s.dim == 3 else 1)))
+
+
+def _gas(s: Any, r: Floats, x: Floats, height: float) -> bytes:
     """The grains, and the atom that is the piston, of the smallest diameter so that it widens no list."""
-    small, up = d.smallest, d.dim - 1
-    at = [0.5 * d.period[0], 0.5 * d.period[1] if d.dim == 3 else 0.0, 0.0]
-    at[up] = d.height
-    edges = [(axis, 0.0, d.period[a]) for a, axis in enumerate("xyz"[:up])] + [("xyz"[up], -1.0, d.height + 1)]
-    edges += [("z", -0.5, 0.5)] if d.dim == 2 else []
-    head = f"gas of grains, and the piston: written by sonopack {__version__}\n\n{d.grains + 1} atoms\n2 atom types\n\n"
+    small, up, period = s.diameter_min, s.dim - 1, (s.width, s.depth)
+    at = [0.5 * period[0], 0.5 * period[1] if s.dim == 3 else 0.0, 0.0]
+    at[up] = height
+    edges = [(axis, 0.0, period[a]) for a, axis in enumerate("xyz"[:up])] + [("xyz"[up], -1.0, height + 1)]
+    edges += [("z", -0.5, 0.5)] if s.dim == 2 else []
+    head = f"gas of grains, and the piston: written by sonopack {__version__}\n\n{s.grains + 1} atoms\n2 atom types\n\n"
     head += "".join(f"{n(low)} {n(high)} {axis}lo {axis}hi\n" for axis, low, high in edges) + "\nAtoms # sphere\n\n"
-    ids = np.arange(1, d.grains + 1)
-    piston = [d.grains + 1, 2, *map(n, (small, d.piston_mass / (PI / 6 * small * small * small), *at))]
-    return (head.encode() + rows_of([ids, ids * 0 + 1, 2 * r, np.ones(d.grains), *x.T])
+    ids = np.arange(1, s.grains + 1)
+    piston = [s.grains + 1, 2, *map(n, (small, _piston_mass(s) / (math.pi / 6 * small * small * small), *at))]
+    return (head.encode() + rows_of([ids, ids * 0 + 1, 2 * r, np.ones(s.grains), *x.T])
             + (" ".join(map(str, piston)) + "\n").encode())
 
 
 # ---- input script ---------------------------------------------------------------------------------------------------
 
-def _springs(d: Deck, factor: float) -> str:
-    """Springs with Coulomb's law, and normal viscosity."""
-    text = f"hertz {n(factor * d.kn)} {n(d.restitution)}"
-    if not d.friction > 0:
+def _springs(s: Any, factor: float, alpha: float) -> str:
+    """Springs with Coulomb's law, and normal viscosity. F_n = kn sqrt(R12) n^(3/2) and k_t = kt sqrt(R12 n) of two
+    grains; walls: twice. damping: viscous tangential over viscous normal coefficient."""
+    text = f"hertz {n(factor * (2.0 / 3.0))} {n(restitution(alpha))}"
+    if not s.friction > 0:
         return text + " tangential linear_nohistory 0 0 damping tsuji limit_damping"
-    damping = 0.0 if d.free_viscosity else d.tangential_damping
-    law = f"tangential mindlin/force {n(factor * d.kt)} {n(damping)} {n(d.friction)}"
+    damping = 0.0 if s.viscous_limit > 1 else math.sqrt(eta(s.poisson))
+    law = f"tangential mindlin/force {n(factor * eta(s.poisson))} {n(damping)} {n(s.friction)}"
     return f"{text} {law} damping tsuji limit_damping"
 
 
-def _viscosity(d: Deck, factor: float) -> str:
+def _viscosity(s: Any, factor: float, alpha: float) -> str:
     """Tangential viscosity alone, of springs without weight."""
     normal = f"hertz {n(factor * (_WEAK * 2.0 / 3.0))} {n(0.1)}"
-    return f"{normal} tangential linear_nohistory {n(d.weak_damping)} 1e15 damping tsuji"
+    damping = math.sqrt(eta(s.poisson) / _WEAK) * alpha / _tsuji(0.1)
+    return f"{normal} tangential linear_nohistory {n(damping)} 1e15 damping tsuji"
 
 
-def _script(d: Deck) -> str:
-    flat, turns, twice = d.dim == 2, d.friction > 0, d.free_viscosity
+def _script(s: Any, height: float) -> str:
+    """The input script. Largest accelerations over the pressure: calm, at which a global damping of the rate drag
+    begins, and rest, at which the run ends. Coulomb's law may leave the viscous tangential forces alone (twice), which
+    then have contacts of their own."""
+    flat, turns, twice, p = s.dim == 2, s.friction > 0, s.friction > 0 and s.viscous_limit > 1, pressure_of(s)
     up, column = ("y", 3) if flat else ("z", 4)
     along = "0 {} 0" if flat else "0 0 {}"
-    numbers = {"p": d.pressure, "step": d.step, "calm": d.calm, "rest": d.rest, "drag": d.drag, "piston": d.piston_mass}
+    # c = 2 zeta sqrt(m k_n) with k_n = 1.5 F_n/n; tsuji: c = alpha sqrt(m F_n/n)
+    alpha, longest = 2 * s.damping * math.sqrt(1.5), max(s.width, s.depth, 0.5 * height)
+    most = s.max_steps or int(4e6 * max(1, height / 75) * max(1, math.pow(s.pressure / 1e-4, -0.3)))
+    numbers = {"p": p, "step": _step(s, p, height), "calm": s.calm * p, "rest": _REST * p,
+               "drag": s.drag * math.pow(p / 1e-4, 1 / 3) * min(1, 30 / longest), "piston": _piston_mass(s)}
     words = {
-        "grains": d.grains, "dim": d.dim, "version": __version__, "input": INPUT, "gas": GAS, "most": d.steps,
-        "skin": n(d.skin),
+        "grains": s.grains, "dim": s.dim, "version": __version__, "input": INPUT, "gas": GAS, "most": most,
+        "skin": n(0.15 * s.diameter_max), "up": up, "column": column,
         "numbers": "".join(f"variable    {name:<10} equal {n(value)}\n" for name, value in numbers.items()),
         "boundary": "p f p" if flat else "p p f", "processors": "* 1 1" if flat else "* * 1",
-        "law": _springs(d, 1), "wall": _springs(d, 2), "viscous": _VISCOUS.format(_viscosity(d, 1), _viscosity(d, 2))
-        if twice
-        else "pair_style  granular\npair_coeff  * * ${law}\n", "up": up, "column": column,
+        "law": _springs(s, 1, alpha), "wall": _springs(s, 2, alpha),
+        "viscous": _VISCOUS.format(_viscosity(s, 1, alpha), _viscosity(s, 2, alpha)) if twice
+        else "pair_style  granular\npair_coeff  * * ${law}\n",
         "move": "NULL v_top NULL" if flat else "NULL NULL v_top", "plane": "0 0 0 0 -1 0" if flat else "0 0 0 0 0 -1",
         "second": _SECOND.format(up=up, column=column) if twice else "", "area": "" if flat else "*ly",
-        "twice": "-c_roof_v" if twice else "", "push": along.format("v_push"), "flat": "fix         flat all "
-                                                                                       "enforce2d\n" if flat
-        else "", "spin": _SPIN if turns else "", "turn": _TURN if turns else "", "turns": "+c_turn" if turns else "",
-        "drag": along.format("v_drag_p"), "tangent": "p13 p14 p15" if twice else "p1 p2 p3", "file_grains": GRAINS,
-        "file_contacts": CONTACTS, "result": RESULT}
+        "twice": "-c_roof_v" if twice else "", "push": along.format("v_push"),
+        "flat": "fix         flat all enforce2d\n" if flat else "", "spin": _SPIN if turns else "",
+        "turn": _TURN if turns else "", "turns": "+c_turn" if turns else "", "drag": along.format("v_drag_p"),
+        "tangent": "p13 p14 p15" if twice else "p1 p2 p3", "file_grains": GRAINS, "file_contacts": CONTACTS,
+        "result": RESULT}
     text = _TEMPLATE
     for name, value in words.items():
         text = text.replace(f"<{name}>", str(value))
@@ -240,12 +197,9 @@ variable    turn atom 2.5*sqrt(c_spin[2]^2+c_spin[3]^2+c_spin[4]^2)/(mass*c_spin
 compute     turn grain reduce max v_turn
 """
 # The second run continues the first without a setup, in which wall/gran/region of 29 Sep 2021 forgets how the wall
-# moves. The
-# drag acts on every third step, so that the largest acceleration is free of it on most of the steps that look for rest.
-# A
-# piston on its way down is not at rest, however heavy it is. Forces are dumped without their viscous parts; of two
-# laws, the
-# numbers of the second follow the twelve of the first.
+# moves. The drag acts on every third step, so that the largest acceleration is free of it on most of the steps that
+# look for rest. A piston on its way down is not at rest, however heavy it is. Forces are dumped without their viscous
+# parts; of two laws, the numbers of the second follow the twelve of the first.
 _TEMPLATE = """\
 # <grains> grains in <dim> dimensions, compressed by a piston: written by sonopack <version> for LAMMPS of 29 Sep \
 2021 or later

@@ -13,19 +13,18 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from .. import __version__, _core, formats
 from .._command import Failed, Parser, cores, may_write, note, usage, whole, write_table
-from .._core import InvalidInput, SonopackError, Status, call, text_of
+from .._core import SonopackError, Status, call, text_of
 from .._native import ffi, lib
 from .._packing import Packing
+from .._records import Material
 from .._scene import Scene, SceneText
 from .._table import Table
-from .._watch import Watch
 from . import deck
 from ._faults import bad_file
 from .options import Options
@@ -33,11 +32,11 @@ from .options import Options
 _GRACE = 20.0  # seconds: mpirun needs some to end its ranks
 _MOVING = 0.05  # above this acceleration over the pressure grains still move: LAMMPS has taken all its steps
 _TOLERANCE, _THRESHOLD = 2e-5, 1e-4  # of `sonopack check'
-_TESTED = 20210929  # the release that the input script was written for
 _PART = 65536
 
 
 def parser() -> Parser:
+    """The options of `sonopack pack', which has checked them."""
     p = Parser("pack", groups="packing network signal study material", usage="%(prog)s [SCENE] --engine lammps -o FILE")
     add = p.add_argument
     add("scene", nargs="*", metavar="SCENE")
@@ -46,42 +45,37 @@ def parser() -> Parser:
     add("--dry-run", action="store_true")
     add("--engine", choices=("lammps",))
     add("--ranks", metavar="N", type=whole(1, 1_000_000), default=0)
-    add("--lammps", metavar="PATH")
-    add("--prepare", metavar="DIR")
-    add("--collect", metavar="DIR")
+    for name, value in (("--lammps", "PATH"), ("--prepare", "DIR"), ("--collect", "DIR")):
+        add(name, metavar=value)
     return p
 
 
 def _check(a: argparse.Namespace) -> None:
     """Options that contradict each other."""
     apart = "--prepare" if a.prepare else "--collect"
-    if a.prepare and a.collect:
-        raise usage("--prepare and --collect: must be two commands, with LAMMPS between them")
-    if (a.prepare or a.collect) and (a.lammps or a.ranks):
-        raise usage(f"{apart}: does not run LAMMPS, so that --lammps and --ranks are not for it")
-    if a.prepare and a.output:
-        raise usage("--prepare: makes no packing, -o is not for it but for --collect")
-    if a.collect and (a.scene or a.set or a.seed is not None):
-        raise usage(f"--collect: takes the scene and the seed of --prepare from {a.collect}/{deck.SCENE}: no others "
-                    f"may be given")
-    if a.dry_run:
-        raise usage("--dry-run: what LAMMPS will take is not known, --engine must be sonopack")
-    if not a.output and not a.prepare:
-        raise usage("no output: must be -o FILE.h5 or -o FILE.txt")
-    if len(a.scene) > 1:
-        raise usage(f"{len(a.scene)} files; must be one scene")
+    for wrong, text in (
+            (a.prepare and a.collect, "--prepare and --collect: must be two commands, with LAMMPS between them"),
+            ((a.prepare or a.collect) and (a.lammps or a.ranks),
+             f"{apart}: does not run LAMMPS, so that --lammps and --ranks are not for it"),
+            (a.prepare and a.output, "--prepare: makes no packing, -o is not for it but for --collect"),
+            (a.collect and (a.scene or a.set or a.seed is not None),
+             f"--collect: takes the scene and the seed of --prepare from {a.collect}/{deck.SCENE}: no others may be "
+             "given"),
+            (a.dry_run, "--dry-run: what LAMMPS will take is not known, --engine must be sonopack"),
+            (not a.output and not a.prepare, "no output: must be -o FILE.h5 or -o FILE.txt"),
+            (len(a.scene) > 1, f"{len(a.scene)} files; must be one scene")):
+        if wrong:
+            raise usage(text)
     if a.output:
         may_write(a, a.output, (".h5", ".hdf5", ".txt"))
 
 
-def _scene(a: argparse.Namespace) -> Any:
-    """The scene as a struct that is resolved, and what keeps its lists alive."""
+def _scene(a: argparse.Namespace) -> tuple[Scene, Any]:
+    """The scene, whose lists must stay alive, and its struct, resolved."""
     path = os.path.join(a.collect, deck.SCENE) if a.collect else a.scene[0] if a.scene else None
     keys = a.words.keys(a)
     if a.material is not None:
-        text = ffi.new("char[]", int(lib.SP_MATERIAL_TEXT))
-        lib.sp_material_text(ffi.new("sp_material *", vars(a.material)), text)
-        keys["material"] = SceneText(text_of(text))
+        keys["material"] = SceneText(_material_text(a.material))
     scene = Scene.read(path, keys)
     struct = scene.resolved()
     if a.seed is not None:
@@ -92,7 +86,14 @@ def _scene(a: argparse.Namespace) -> Any:
     return scene, struct
 
 
+def _material_text(material: Material) -> str:
+    text = ffi.new("char[]", int(lib.SP_MATERIAL_TEXT))
+    lib.sp_material_text(ffi.new("sp_material *", vars(material)), text)
+    return text_of(text)
+
+
 def run(a: argparse.Namespace) -> int:
+    """Prepares a run, collects what it has left, or does both and runs LAMMPS in between."""
     _check(a)
     scene, struct = _scene(a)
     spec = ffi.addressof(struct, "pack")
@@ -100,15 +101,14 @@ def run(a: argparse.Namespace) -> int:
     if not a.collect and spec.kind == lib.SP_PACK_PISTON and spec.dim > 1 and height < 6:
         note(a, f"warning: the box will be about {height:.1f} d high, less than 6: sound has no room between the walls")
     if a.prepare:
-        _prepare(a, spec, struct, pathlib.Path(a.prepare))
+        _prepare(a, struct, pathlib.Path(a.prepare))
         note(a, f"{a.prepare}: run `lmp -nocite -in {deck.INPUT}' there (mpirun -n N before it), then `sonopack pack "
-                f"--engine "
-                f"lammps --collect {a.prepare}'")
+                f"--engine lammps --collect {a.prepare}'")
         return 0
     folder = pathlib.Path(a.collect or f"{a.output}.lammps")
     words = None if a.collect else _find(a)
     if words:
-        _prepare(a, spec, struct, folder)
+        _prepare(a, struct, folder)
     packing = _make(a, struct, folder, words)
     packing.save_as(a.output, os.path.splitext(a.output)[1])
     if words:
@@ -126,9 +126,16 @@ def _remove(folder: pathlib.Path) -> None:
         (folder / name).unlink(missing_ok=True)
 
 
-def _prepare(a: argparse.Namespace, spec: Any, struct: Any, folder: pathlib.Path) -> None:
+def _scene_text(struct: Any, group: Any = ffi.NULL) -> bytes:
+    """The scene of a struct as a text."""
+    chars = ffi.gc(lib.sp_scene_text(struct, group), lib.sp_free)
+    text: bytes = ffi.string(chars)
+    return text
+
+
+def _prepare(a: argparse.Namespace, struct: Any, folder: pathlib.Path) -> None:
     """Writes the files of a run. A folder that has some is only used again with --force."""
-    deck.check(spec)
+    files = {**deck.files(ffi.addressof(struct, "pack")), deck.SCENE: _scene_text(struct)}
     if folder.exists() and not folder.is_dir():
         raise Failed(f"{folder}: must be a folder, for the files of LAMMPS")
     if any(os.path.lexists(folder / name) for name in deck.FILES):
@@ -137,9 +144,6 @@ def _prepare(a: argparse.Namespace, spec: Any, struct: Any, folder: pathlib.Path
                          f"them")
         _remove(folder)
     folder.mkdir(exist_ok=True)
-    chars = lib.sp_scene_text(struct, ffi.NULL)
-    files = {**deck.files(spec), deck.SCENE: ffi.string(chars)}
-    lib.sp_free(chars)
     for name, data in files.items():
         (folder / name).write_bytes(data)
 
@@ -154,42 +158,41 @@ def _look(folder: pathlib.Path, name: str) -> pathlib.Path:
 
 # ---- LAMMPS ---------------------------------------------------------------------------------------------------------
 
-def _program(name: str) -> str:
+def _program(name: str, why: str) -> str:
     """The absolute path, for the program starts in another folder."""
-    if "/" in name:
-        if not (os.path.isfile(name) and os.access(name, os.X_OK)):
-            raise Failed(f"{name}: no program that can be run")
-        return os.path.realpath(name)
     found = shutil.which(name)
     if found is None:
-        raise Failed(f"{name}: no such program in PATH")
+        raise Failed(f"{why}: {name}: {'no program that can be run' if '/' in name else 'no such program in PATH'}")
     return os.path.realpath(found)
 
 
 def _find(a: argparse.Namespace) -> list[str]:
     """The words that start LAMMPS, by mpirun on several ranks."""
-    try:
-        lammps = _program(a.lammps or "lmp")
-    except Failed as fault:
-        raise Failed(f"LAMMPS (Debian: apt install lammps; another program: --lammps PATH): {fault}") from None
-    try:
-        launcher = [_program("mpirun"), "-n", str(a.ranks)] if a.ranks > 1 else []
-    except Failed as fault:
-        raise Failed(f"--ranks {a.ranks}: {fault}") from None
+    lammps = _program(a.lammps or "lmp", "LAMMPS (Debian: apt install lammps; another program: --lammps PATH)")
+    launcher = [_program("mpirun", f"--ranks {a.ranks}"), "-n", str(a.ranks)] if a.ranks > 1 else []
     return [*launcher, lammps, "-nocite", "-in", deck.INPUT, "-log", deck.LOG]
 
 
-class _Stop:
-    """Ctrl-C and SIGTERM end the work: LAMMPS is ended first."""
+class _Show:
+    """Progress on a terminal, and what Ctrl-C and SIGTERM ask for: LAMMPS is ended before the command."""
 
-    def __init__(self) -> None:
-        self.asked = False
+    def __init__(self, quiet: bool) -> None:
+        self.asked, self.shows = False, sys.stderr.isatty() and not quiet
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             if signal.getsignal(number) is not signal.SIG_IGN:
                 signal.signal(number, self._ask)
 
     def _ask(self, *_: Any) -> None:
         self.asked = True
+
+    def __call__(self, text: str = "") -> None:
+        if self.shows:
+            print(f"\r{text}\033[K", end="", file=sys.stderr, flush=True)
+
+    def of_packing(self, now: Any) -> bool:
+        """Progress of our own compression; False stops it."""
+        self(f"{now.phase}: {now.steps:.0f} steps, residual {now.residual:.2g}")
+        return not self.asked
 
 
 def _begin() -> None:
@@ -198,11 +201,9 @@ def _begin() -> None:
     signal.signal(signal.SIGXFSZ, signal.SIG_DFL)  # what is ignored would stay so
 
 
-def _execute(words: list[str], folder: pathlib.Path, stop: _Stop, say: Callable[[str, float, float], None]) -> float:
+def _execute(words: list[str], folder: pathlib.Path, show: _Show) -> float:
     """Runs LAMMPS on the files of the folder; returns its CPU time. However this ends, no process is left, and the
     files are."""
-    for name in deck.FILES[deck.FILES.index(deck.WORDS):]:
-        (folder / name).unlink(missing_ok=True)  # what an earlier run has left
     with open(folder / deck.WORDS, "wb") as printed:
         try:
             child = subprocess.Popen(words, cwd=folder, stdin=subprocess.DEVNULL, stdout=printed, stderr=printed,
@@ -210,26 +211,24 @@ def _execute(words: list[str], folder: pathlib.Path, stop: _Stop, say: Callable[
         except OSError as fault:
             raise Failed(f"{words[0]}: cannot be started: {fault.strerror}") from None
     asked, pause = 0.0, 0.002
-    while True:
-        ended, status, spent = os.wait4(child.pid, os.WNOHANG)
-        if ended:
-            break
-        if stop.asked and not asked:
+    while not (ended := os.wait4(child.pid, os.WNOHANG))[0]:
+        if show.asked and not asked:
             asked = time.monotonic()
             _kill(child.pid, signal.SIGTERM)
         if asked and time.monotonic() - asked > _GRACE:
             _kill(child.pid, signal.SIGKILL)
         log = _Log(folder)
-        say("LAMMPS", max(log.steps, 0), log.acceleration)
+        show(f"LAMMPS: {max(log.steps, 0)} steps, residual {log.acceleration:.2g}")
         time.sleep(pause)
         pause = min(0.2, 1.5 * pause)
+    _, status, spent = ended
     child.returncode = os.waitstatus_to_exitcode(status)
     _kill(child.pid, signal.SIGKILL)  # what it may have left
     if asked:
         raise SonopackError("stopped while LAMMPS was running", Status.EINTERRUPTED)
     if child.returncode != 0:
         _fail(words[-6], folder, child.returncode)
-    return spent.ru_utime + spent.ru_stime
+    return float(spent.ru_utime + spent.ru_stime)
 
 
 def _kill(group: int, number: signal.Signals) -> None:
@@ -243,26 +242,12 @@ class _Log:
     """What the log tells so far: version, fault, and the last row of thermodynamic output."""
 
     def __init__(self, folder: pathlib.Path) -> None:
-        begin, end, printed = (_part(folder, deck.LOG, False), _part(folder, deck.LOG, True),
-                               _part(folder, deck.WORDS, True))
-        version = re.search(r"LAMMPS \(([^)\n]*)", begin) or re.search(r"LAMMPS \(([^)\n]*)",
-                                                                       _part(folder, deck.WORDS, False))
-        fault = re.search(r"^ERROR.*", printed, re.M) or re.search(r"^ERROR.*", end, re.M)
+        texts = [_part(folder, name, end) for end in (False, True) for name in (deck.LOG, deck.WORDS)]
+        version = next(filter(None, (re.search(r"LAMMPS \(([^)\n]*)", text) for text in texts[:2])), None)
+        fault = next(filter(None, (re.search(r"^ERROR.*", text, re.M) for text in texts[:1:-1])), None)
+        rows = re.findall(r"^ *(\d{1,18}) +([-+.\deE]+) +[-+.\deE]+ *\n", texts[2], re.M)
         self.version, self.fault = version.group(1)[:199] if version else "", fault.group(0)[:199] if fault else ""
-        rows = re.findall(r"^ *(\d{1,18}) +(\S+) +(\S+) *\n", end, re.M)
-        self.steps, self.acceleration = -1, math.nan
-        for step, acceleration, top in reversed(rows):
-            if re.fullmatch(r"[-+.\deE]+", acceleration) and re.fullmatch(r"[-+.\deE]+", top):
-                self.steps, self.acceleration = int(step), float(acceleration)
-                break
-
-    def date(self) -> int:
-        """The version's as 20210929; 0 if it is none."""
-        found = re.match(r" *(\d{1,2}) ([A-Z][a-z]{2}) (\d{4})", self.version)
-        months = "Jan Feb Mar Apr May Jun Jul Aug Sep Oct Nov Dec".split()
-        if not found or found.group(2) not in months:
-            return 0
-        return 10000 * int(found.group(3)) + 100 * (months.index(found.group(2)) + 1) + int(found.group(1))
+        self.steps, self.acceleration = (int(rows[-1][0]), float(rows[-1][1])) if rows else (-1, math.nan)
 
 
 def _part(folder: pathlib.Path, name: str, end: bool) -> str:
@@ -271,7 +256,7 @@ def _part(folder: pathlib.Path, name: str, end: bool) -> str:
         with open(_look(folder, name), "rb") as file:
             file.seek(max(0, file.seek(0, os.SEEK_END) - _PART) if end else 0)
             return re.sub(r"[\0-\x08\x0b-\x1f]", " ", file.read(_PART).decode(errors="replace"))
-    except (OSError, InvalidInput):
+    except (OSError, ValueError):
         return ""
 
 
@@ -281,43 +266,30 @@ def _fail(program: str, folder: pathlib.Path, status: int) -> None:
     killed = f"was killed by signal {-status} ({signal.strsignal(-status)})" if status < 0 else ""
     how = killed or f"ended with status {status}"
     text = f"{program} {how} after {max(log.steps, 0)} steps: {log.fault or f'it gives no reason, see {deck.WORDS}'}"
-    signs = ("granular", "Unknown", "Unrecognized", "Illegal", "Invalid")
-    if any(sign in log.fault for sign in signs) or 0 < log.date() < _TESTED:
+    if any(sign in log.fault for sign in ("granular", "Unknown", "Unrecognized", "Illegal", "Invalid")):
         text += (f"; this is LAMMPS {log.version or 'of an unknown version'}, and what is needed is pair_style "
-                 f"granular of LAMMPS "
-                 "of 29 Sep 2021 or later, with its package GRANULAR")
+                 "granular of LAMMPS of 29 Sep 2021 or later, with its package GRANULAR")
     raise Failed(text)
 
 
 # ---- what it has made -----------------------------------------------------------------------------------------------
 
 def _make(a: argparse.Namespace, struct: Any, folder: pathlib.Path, words: list[str] | None) -> Packing:
-    stop, seconds = _Stop(), 0.0
-
-    def say(phase: str, steps: float, residual: float) -> None:
-        if sys.stderr.isatty() and not a.quiet:
-            print(f"\r{phase}: {steps:.0f} steps, residual {residual:.2g}\033[K", end="", file=sys.stderr, flush=True)
-
+    show = _Show(a.quiet)
     try:
-        if words:
-            seconds = _execute(words, folder, stop, say)
-        steps, version, packing = _collect(a, struct.pack, folder, stop, say)
+        seconds = _execute(words, folder, show) if words else 0.0
+        steps, version, packing = _collect(a, struct.pack, folder, show)
     except (SonopackError, OSError) as fault:
         raise Failed(f"the files are in {folder}: {fault}") from None  # the command line was right
     finally:
-        say("", 0, 0)
-        if sys.stderr.isatty() and not a.quiet:
-            print("\r\033[K", end="", file=sys.stderr)
+        show()
     p = packing._c
     p.seed, p.seconds, p.material = struct.pack.seed, p.seconds + seconds, struct.material
     p.steps += steps
     ranks = f", {a.ranks} ranks" if a.ranks else ""
-    chars = lib.sp_scene_text(struct, b"packing")
-    text = (f"# engine: LAMMPS ({version}){ranks}, {steps} steps; brought to rest by sonopack {__version__}\n").encode()
-    joined = text + ffi.string(chars)
-    lib.sp_free(chars)
+    text = f"# engine: LAMMPS ({version}){ranks}, {steps} steps; brought to rest by sonopack {__version__}\n"
     lib.sp_free(p.scene)
-    p.scene = lib.strdup(joined)
+    p.scene = lib.strdup(text.encode() + _scene_text(struct, b"packing"))
     return packing
 
 
@@ -331,17 +303,15 @@ def _read_result(folder: pathlib.Path, pressure: float) -> tuple[int, float]:
                      path.read_bytes().decode(errors="replace"))
     if not found or not all(math.isfinite(float(word)) for word in found.groups()) or int(found.group(1)) == 0:
         raise bad_file(f"{path}: must be a line of steps, acceleration and top, all finite: is it cut, is the disk "
-                       f"full?")
+                       "full?")
     steps, acceleration, top = int(found.group(1)), float(found.group(2)), float(found.group(3))
     if acceleration > _MOVING * pressure:
         raise Failed(f"LAMMPS: not at rest after {steps} steps: the largest acceleration is {acceleration:.3g}, must "
-                     f"be below "
-                     f"{_MOVING * pressure:.3g} (packing.max_steps allows more steps)")
+                     f"be below {_MOVING * pressure:.3g} (packing.max_steps allows more steps)")
     return steps, top
 
 
-def _collect(a: argparse.Namespace, given: Any, folder: pathlib.Path, stop: _Stop,
-             say: Callable[[str, float, float], None]) -> tuple[int, str, Packing]:
+def _collect(a: argparse.Namespace, given: Any, folder: pathlib.Path, show: _Show) -> tuple[int, str, Packing]:
     """Reads what LAMMPS has left in the folder, with the tangential forces, and brings it to rest under the pressure of
     the spec."""
     deck.check(ffi.addressof(given))
@@ -353,7 +323,7 @@ def _collect(a: argparse.Namespace, given: Any, folder: pathlib.Path, stop: _Sto
     raw, _ = formats.load(str(_look(folder, deck.GRAINS)), Options(
         "lammps-dump", contacts=str(_look(folder, deck.CONTACTS)), types="1", keys=keys))
     _check_grains(raw, s, top)
-    packing = _come_to_rest(raw, given, a.threads or cores(), stop, say)
+    packing = _come_to_rest(raw, given, a.threads or cores(), show)
     audit, reason = ffi.new("sp_audit *"), ffi.new("char[]", 200)
     call(lib.sp_packing_audit, packing._c, _THRESHOLD, audit)
     worst = lib.sp_audit_worst(audit, _TOLERANCE, reason, 200)
@@ -372,15 +342,13 @@ def _check_grains(raw: Packing, s: Any, top: float) -> None:
     if len(other):
         k = int(other[0])
         raise bad_file(f"{deck.GRAINS}: grain {k} has the diameter {2 * raw.r[k]:.17g}, must have {2 * r[k]:.17g}: is "
-                       f"this of "
-                       "another scene or seed?")
+                       "this of another scene or seed?")
     highest = float((raw.x[:, s.dim - 1] + raw.r).max())
     if not abs(highest - top) <= 0.1:
         raise bad_file(f"{deck.RESULT}: top {top:g}, but the grains reach up to {highest:g}")
 
 
-def _come_to_rest(raw: Packing, given: Any, threads: int, stop: _Stop,
-                  say: Callable[[str, float, float], None]) -> Packing:
+def _come_to_rest(raw: Packing, given: Any, threads: int, show: _Show) -> Packing:
     s = ffi.new("sp_pack_spec *", given)
     usual = lib.sp_pack_spec_default()
     s.kind = lib.SP_PACK_FILE
@@ -389,17 +357,7 @@ def _come_to_rest(raw: Packing, given: Any, threads: int, stop: _Stop,
         setattr(s, name, getattr(usual, name))  # what the grains are follows from the packing
     s.diameters, s.diameter_count, s.content, s.max_steps = ffi.NULL, 0, 0, 0
     call(lib.sp_pack_spec_from, s, raw._c)
-
-    def progress(now: Any) -> bool:
-        say(now.phase, now.steps, now.residual)
-        return not stop.asked
-
-    watch = Watch(progress)
-    hooks = ffi.new("sp_pack_hooks *", {"watch": lib.sonopack_pack_watch, "user": watch.handle, "threads": threads})
-    setattr(hooks, "from", raw._c)
-    out = _core.new("sp_packing", lib.sp_packing_free, lib.sp_packing_none)
-    watch.run(lib.sp_packing_make_with, s, hooks, out)
-    return Packing(out)
+    return Packing.of_spec(s, raw, progress=show.of_packing, threads=threads)
 
 
 def _summarise(a: argparse.Namespace, p: Packing, threshold: float) -> None:

@@ -6,31 +6,28 @@ import math
 import numpy as np
 
 from .. import _core
-from .._core import Floats, InvalidInput, call
+from .._core import Floats, Integers, InvalidInput, call
 from .._native import ffi, lib
 from .._packing import Packing
-from . import touch
+from .contacts import touching
 from ._faults import bad_file, bad_option, refused
-from .law import eta, hertz_overlap, stiffness_of, wall_stiffness
+from .law import hertz_overlap, near, usual_stiffness, wall_stiffness
 from .options import NAN, SIDES
-from .work import Links, Work, fractions, length, running_sum, sphere_mass
+from .work import Links, Work, contact_table, length, running_sum, sphere_mass, sum_over
 
 
 def make(w: Work) -> Packing:
     """The packing of what has been gathered."""
-    x = _wrap(w)
-    outside = _axes_outside(w)
+    x, outside = _wrap(w), _axes_outside(w)
     if (outside >= 0).any():
         _fail_outside(w, outside)
-    links = w.links
-    order = np.lexsort((np.maximum(links.j, 0), links.i, np.maximum(-links.j, 0)))
-    wild, w.links = links, links.take(order)
+    listed, report = w.links, w.report
+    w.links = listed[np.lexsort((np.maximum(listed.j, 0), listed.i, np.maximum(-listed.j, 0)))]
     mass, inertia = _masses(w)
     if usual_stiffness(w.r, w.links, w.wall, w.friction, w.poisson).all():
-        w.links.kn, w.links.kt = w.links.kn * 0, w.links.kt * 0
-    report = w.report
-    report.grains, report.contacts, report.wall_contacts = w.n, len(links), int((links.j < 0).sum())
-    pressure = _piston_pressure(w, wild, mass) if w.cell == "piston" else _mean_pressure(w)
+        w.links.kn, w.links.kt = 0 * w.links.kn, 0 * w.links.kt
+    report.grains, report.contacts, report.wall_contacts = w.n, len(listed), int((listed.j < 0).sum())
+    pressure = _piston_pressure(w, listed, mass) if w.cell == "piston" else _mean_pressure(w)
     packing = _build(w, x, mass, inertia, pressure)
     _check_balance(w, packing)
     _remark_missing(w)
@@ -41,49 +38,68 @@ def make(w: Work) -> Packing:
 
 def _build(w: Work, x: Floats, mass: Floats | None, inertia: Floats | None, pressure: float) -> Packing:
     links = w.links
-    links.n, links.ft = links.n + 0.0, links.ft + 0.0 if w.friction > 0 else links.ft * 0 + 0.0
+    links.n, links.ft = links.n + 0.0, (links.ft if w.friction > 0 else 0 * links.ft) + 0.0
+    if w.dim == 2:
+        # a number Ft that our tables give back with all bits
+        links.ft = tangent_vectors(links.n, tangent_numbers(links.n, links.ft))
     try:
         return Packing.from_arrays(
-            x[:, :w.dim], w.r, tangents(links, w.dim).table(), box=w.edge[:w.dim], pressure=pressure,
-            friction=w.friction,
+            x[:, :w.dim], w.r, contact_table(links), box=w.edge[:w.dim], pressure=pressure, friction=w.friction,
             poisson=w.poisson, wall=w.wall, mass=mass, inertia=inertia, material=w.material, cell=w.cell, tilt=w.tilt,
             gravity=w.gravity)
     except InvalidInput as fault:
         raise InvalidInput(f"{w.path}: {fault}", fault.status, fault.key) from None
 
 
+def tangent_vectors(n: Floats, scalar: Floats) -> Floats:
+    """Ft (-ny, nx), from which tangent_numbers gives the same Ft."""
+    out = _product(n, scalar)
+    for k in np.flatnonzero(tangent_numbers(n, out) != scalar):
+        # two neighbouring numbers have the same product: the vector moves by an ulp, to one that is no product
+        x, y = (np.nextafter(v, [-np.inf, v, np.inf]) for v in out[k, :2])
+        moved = np.stack([np.repeat(x, 3), np.tile(y, 3), np.zeros(9)], axis=1)
+        out[k] = next(iter(moved[tangent_numbers(np.tile(n[k], (9, 1)), moved) == scalar[k]]), out[k])
+    return out
+
+
+def _product(n: Floats, scalar: Floats) -> Floats:
+    return np.stack([scalar * -n[:, 1] + 0.0, scalar * n[:, 0] + 0.0, np.zeros(len(n))], axis=1)
+
+
+def tangent_numbers(n: Floats, ft: Floats) -> Floats:
+    """The number whose product is ft, within two ulps of the rounded quotient; else that."""
+    wide_n, wide = n.astype(np.longdouble), ft.astype(np.longdouble)
+    along = wide[:, 0] * -wide_n[:, 1] + wide[:, 1] * wide_n[:, 0]
+    middle = (along / (wide_n[:, 0] * wide_n[:, 0] + wide_n[:, 1] * wide_n[:, 1])).astype(float) + 0.0
+    up, down = np.nextafter(middle, np.inf), np.nextafter(middle, -np.inf)
+    tried = np.stack([middle, up, down, np.nextafter(up, np.inf), np.nextafter(down, -np.inf)])
+    fits = np.stack([(_product(n, one) == ft)[:, :2].all(axis=1) for one in tried])
+    found: Floats = tried[fits.argmax(axis=0), np.arange(len(n))]  # the first that fits, else the middle
+    return found
+
+
 # ---- grains ---------------------------------------------------------------------------------------------------------
 
 def _wrap(w: Work) -> Floats:
     """Positions inside of the cell along its periodic axes; those inside remain the same, bit for bit."""
-    x = w.x + 0.0
-    if w.cell == "piston":
-        for a in range(w.dim):
-            if w.periodic[a]:
-                inside = np.fmod(x[:, a], w.edge[a])
-                inside = np.where(inside < 0, inside + w.edge[a], inside)
-                away = ~((x[:, a] >= 0) & (x[:, a] < w.edge[a]))
-                x[away, a] = np.where(inside < w.edge[a], inside + 0.0, 0.0)[away]
-    if w.cell == "periodic":
-        outside = np.zeros(w.n, bool)
-        for a in range(w.dim):
-            s = fractions(w, x)[a]
-            outside |= ~((s >= -1e-12) & (s <= 1 + 1e-12))  # what the packing's check allows
-        x[outside] = _wrap_periods(w, x[outside])
-    return x
-
-
-def _wrap_periods(w: Work, x: Floats) -> Floats:
-    """Moves points into the cell."""
-    vectors = [np.array([w.edge[0], 0, 0]), np.array([w.tilt[0], w.edge[1], 0]),
-               np.array([w.tilt[1], w.tilt[2], w.edge[2]])]
+    x: Floats = w.x + 0.0
+    lattice = w.lattice()
     for a in reversed(range(w.dim)):
-        x = x - np.floor(fractions(w, x)[a])[:, None] * vectors[a]
-        x = x - (fractions(w, x)[a] >= 1)[:, None] * vectors[a]  # a tiny negative coordinate rounds to the far end
+        if not w.periodic[a]:
+            continue
+        s = w.fractions(x)[:, a]
+        inside = (x[:, a] >= 0) & (x[:, a] < w.edge[a])
+        if w.cell == "periodic":
+            inside = (s >= -1e-12) & (s <= 1 + 1e-12)  # what the packing's check allows
+        away = np.flatnonzero(~inside)
+        x[away] -= np.floor(s[away])[:, None] * lattice[a]
+        # a tiny negative coordinate rounds to the far end
+        x[away] -= (w.fractions(x[away])[:, a] >= 1)[:, None] * lattice[a]
+    x = x + 0.0
     return x
 
 
-def _axes_outside(w: Work) -> np.ndarray:  # type: ignore[type-arg]
+def _axes_outside(w: Work) -> Integers:
     """The axis on which each grain lies outside of the walls; -1: none."""
     out = np.full(w.n, -1)
     for a in range(w.dim):
@@ -92,7 +108,7 @@ def _axes_outside(w: Work) -> np.ndarray:  # type: ignore[type-arg]
     return out
 
 
-def _fail_outside(w: Work, outside: np.ndarray) -> None:  # type: ignore[type-arg]
+def _fail_outside(w: Work, outside: Integers) -> None:
     """Says where the walls are taken to be, and whether anything touches them: loose grains have no walls to find."""
     k = int(np.flatnonzero(outside >= 0)[0])
     axis = int(outside[k])
@@ -101,11 +117,11 @@ def _fail_outside(w: Work, outside: np.ndarray) -> None:  # type: ignore[type-ar
     names = SIDES[-1 - first], SIDES[-first]
     touching = [int((w.links.j == first - side).sum()) for side in (0, 1)]
     pressed = "is this packing under pressure? If so, " if sum(touching) <= 2 else ""
-    w.grains.fail(int(w.row[k]), w.roles.need(w.grains, w.name_of(axis))[0],
-                  f"between the walls, which are taken to be at {low:.8g} and {high:.8g}. Outside of them are "
-                  f"{int((outside == axis).sum())} of {w.n} grains, and {touching[0]} touch the {names[0]} wall, "
-                  f"{touching[1]} "
-                  f"the {names[1]}: {pressed}give --set {names[0]}= and {names[1]}=, or --types")
+    w.grains.refuse(
+        outside >= 0, w.roles.need(w.grains, w.name_of(axis))[0],
+        f"between the walls, which are taken to be at {low:.8g} and {high:.8g}. Outside of them are "
+        f"{int((outside == axis).sum())} of {w.n} grains, and {touching[0]} touch the {names[0]} wall, {touching[1]} "
+        f"the {names[1]}: {pressed}give --set {names[0]}= and {names[1]}=, or --types", w.row)
 
 
 def _masses(w: Work) -> tuple[Floats | None, Floats | None]:
@@ -122,60 +138,11 @@ def _masses(w: Work) -> tuple[Floats | None, Floats | None]:
     return not_usual(w.r, w.mass, usual if w.inertia is None else w.inertia)
 
 
-def near(a: Floats, b: Floats) -> np.ndarray:  # type: ignore[type-arg]
-    out: np.ndarray = np.abs(a - b) <= 1e-12 * np.abs(b)  # type: ignore[type-arg]
-    return out
-
-
 def not_usual(r: Floats, mass: Floats, inertia: Floats) -> tuple[Floats | None, Floats | None]:
     """Masses and moments of inertia, unless they are those of spheres of unit density, which say nothing new."""
     usual = sphere_mass(r)
     spheres = near(mass, usual).all() and near(inertia, usual * (0.4 * r * r)).all()
     return (None, None) if spheres else (mass, inertia)
-
-
-# type: ignore[type-arg]
-def usual_stiffness(r: Floats, links: Links, wall: str, friction: float, poisson: float) -> np.ndarray:
-    """Which stiffnesses are those of Hertzian spheres anyway, as in our own files, and say nothing new."""
-    with np.errstate(invalid="ignore"):
-        kn = 2.0 * stiffness_of(r, links, wall) * np.sqrt(links.overlap)
-        usual: np.ndarray = (links.kn > 0) & near(links.kn, kn) & (  # type: ignore[type-arg]
-            near(links.kt, eta(poisson) * kn) | (not friction > 0))
-    return usual
-
-
-def tangents(links: Links, dim: int) -> Links:
-    """In two dimensions tangential forces are Ft (-ny, nx), with a number Ft that our tables give back with all
-    bits."""
-    if dim != 2:
-        return links
-    n, scalar = links.n, _tangent(links.n, links.ft)
-    links.ft = _product(n, scalar)
-    for k in np.flatnonzero(_tangent(n, links.ft) != scalar):
-        # two neighbouring numbers have the same product: the vector moves by an ulp, to one that is no product
-        x, y = (np.array([np.nextafter(v, -np.inf), v, np.nextafter(v, np.inf)]) for v in links.ft[k, :2])
-        moved = np.stack([np.repeat(x, 3), np.tile(y, 3), np.zeros(9)], axis=1)
-        good = np.flatnonzero(_tangent(np.tile(n[k], (9, 1)), moved) == scalar[k])
-        links.ft[k] = moved[good[0]] if len(good) else links.ft[k]
-    return links
-
-
-def _product(n: Floats, scalar: Floats) -> Floats:
-    return np.stack([scalar * -n[:, 1] + 0.0, scalar * n[:, 0] + 0.0, 0 * scalar], axis=1)
-
-
-def _tangent(n: Floats, ft: Floats) -> Floats:
-    """The number whose product is ft, within two ulps of the rounded quotient; else that."""
-    wide_n, wide = n.astype(np.longdouble), ft.astype(np.longdouble)
-    along = wide[:, 0] * -wide_n[:, 1] + wide[:, 1] * wide_n[:, 0]
-    middle = (along / (wide_n[:, 0] * wide_n[:, 0] + wide_n[:, 1] * wide_n[:, 1])).astype(float) + 0.0
-    out, open_ = middle.copy(), np.ones(len(n), bool)
-    up, down = np.nextafter(middle, np.inf), np.nextafter(middle, -np.inf)
-    for near_by in (middle, up, down, np.nextafter(up, np.inf), np.nextafter(down, -np.inf)):
-        product = _product(n, near_by)
-        fits = open_ & (product[:, 0] == ft[:, 0]) & (product[:, 1] == ft[:, 1])
-        out[fits], open_ = near_by[fits], open_ & ~fits
-    return out
 
 
 # ---- pressure -------------------------------------------------------------------------------------------------------
@@ -191,8 +158,7 @@ def _given_pressure(w: Work) -> float:
 def _checked(w: Work, pressure: float) -> float:
     if not pressure > 0:
         raise bad_option(f": there is no force on the walls and none between grains ({len(w.links)} contacts); must be "
-                         f"given: "
-                         "--set pressure=P", "pressure")
+                         "given: --set pressure=P", "pressure")
     return pressure
 
 
@@ -216,16 +182,13 @@ def _piston_pressure(w: Work, links: Links, mass: Floats | None) -> float:
     high = above / area if above > 0 else NAN
     known = [p for p in (low, high) if math.isfinite(p)]
     walls = 0.5 * (low + high) if len(known) == 2 else known[0] if known else NAN
-    pressure = given if math.isfinite(given) else walls if known else _stress(w, links)
-    _checked(w, pressure)
+    pressure = _checked(w, given if math.isfinite(given) else walls if known else _stress(w, links))
     if not math.isfinite(given) and not known:
         w.note(f"no contact with a wall: the pressure {w.pressure_text(pressure)} is the stress along {w.name_of(up)} "
-               f"from the "
-               "contacts")
+               "from the contacts")
     if abs(low / high - 1) > 1e-3:
         w.note(f"the pressures on the walls differ: {w.pressure_text(low)} below, {w.pressure_text(high)} above "
-               f"(weight, motion, "
-               "or contacts missing)")
+               "(weight, motion, or contacts missing)")
     if math.isfinite(given) and abs(walls / given - 1) > 1e-2:
         w.note(f"the pressure on the walls is {w.pressure_text(walls)}, not the given {w.pressure_text(given)}")
     return pressure
@@ -240,49 +203,33 @@ def _stress(w: Work, links: Links) -> float:
 
 # ---- balance --------------------------------------------------------------------------------------------------------
 
-def _imbalance(w: Work, p: Packing) -> tuple[float, float, float, float, float]:
-    """Of the grains that carry force: the largest net force, torque over R, and net force with the other sign of the
-    tangential forces; and the sums of squares of both forces."""
-    links = w.links
-    net, tangential = _sums(links, w.n, -links.fn[:, None] * links.n), np.zeros((w.n, 3))
-    torque = tangential
-    if links.ft.any():
-        tangential, torque = _sums(links, w.n, links.ft), _sums(links, w.n, np.cross(links.n, links.ft), 1.0)
-    if w.gravity != 0:
-        net[:, w.up] -= w.gravity * (sphere_mass(w.r) if p.mass is None else p.mass)
-    counted = ~p.rattlers() & ~(w.boundary & (w.o.walls is None))
-    now, other = (length(net + sign * tangential)[counted] for sign in (1, -1))
-    return (float(now.max(initial=0)), float(length(torque)[counted].max(initial=0)), float(other.max(initial=0)),
-            float((now * now).sum()), float((other * other).sum()))
-
-
-def _sums(links: Links, n: int, values: Floats, sign: float = -1.0) -> Floats:
-    """Sums over the contacts of each grain, in an order of their own: for what is told in two digits."""
-    pairs = links.j >= 0
-    return np.stack([np.bincount(links.i, column, n) + sign * np.bincount(links.j[pairs], column[pairs], n)
-                     for column in values.T], axis=1)
-
-
 def _check_balance(w: Work, p: Packing) -> None:
-    mean = running_sum(w.links.fn / max(1, len(w.links)))
-    now, torque, turned, squares, turned_squares = _imbalance(w, p)
-    none = bool((p.rattlers() != 0).all())
-    w.report.balance = now / mean if mean > 0 and not none else NAN
-    if none:
+    """Largest net forces and torques over R of the grains that carry force, also with the other sign of the tangential
+    forces, and what they tell."""
+    links = w.links
+    mean = running_sum(links.fn / max(1, len(links)))
+    normal, tangential, torque = (sum_over(links.i, links.j, w.n, values, sign) for values, sign in (
+        (-links.fn[:, None] * links.n, -1.0), (links.ft, -1.0), (np.cross(links.n, links.ft), 1.0)))
+    if w.gravity != 0:
+        normal[:, w.up] -= w.gravity * (sphere_mass(w.r) if p.mass is None else p.mass)
+    counted = ~p.rattlers() & ~(w.boundary & (w.o.walls is None))
+    now, turned = length(normal + tangential)[counted], length(normal - tangential)[counted]
+    most, other, turning = (float(sizes.max(initial=0)) for sizes in (now, turned, length(torque)[counted]))
+    if p.rattlers().all():
         why = "" if w.friction > 0 else " (friction = 0)"
         w.note(f"all grains are rattlers: no balance of forces can be told{why}")
-    elif now > mean and not w.has_ft and w.friction > 0:
-        w.note("forces do not balance, perhaps because the tangential forces are missing")
-    elif now > mean:
-        w.note("forces do not balance: is the file cut short, or are periods, units or signs wrong?")
-    if turned_squares < 0.25 * squares:
-        w.note(f"with the other sign of the tangential forces the grains balance better ({turned / mean:.2g} of the "
-               f"mean "
-               "force): --columns ft_x=-COLUMN,... (or ft=-COLUMN) turns them")
-    elif now < 1e-3 * torque:
-        w.note(f"torques over R balance within {torque / mean:.2g} of the mean force only: tangential forces act at "
-               f"the distance "
-               "R here, at R - overlap/2 in LAMMPS and LIGGGHTS")
+    else:
+        w.report.balance = most / mean if mean > 0 else NAN
+        if most > mean and not w.has_ft and w.friction > 0:
+            w.note("forces do not balance, perhaps because the tangential forces are missing")
+        elif most > mean:
+            w.note("forces do not balance: is the file cut short, or are periods, units or signs wrong?")
+    if (turned * turned).sum() < 0.25 * (now * now).sum():
+        w.note(f"with the other sign of the tangential forces the grains balance better ({other / mean:.2g} of the "
+               "mean force): --columns ft_x=-COLUMN,... (or ft=-COLUMN) turns them")
+    elif most < 1e-3 * turning:
+        w.note(f"torques over R balance within {turning / mean:.2g} of the mean force only: tangential forces act at "
+               "the distance R here, at R - overlap/2 in LAMMPS and LIGGGHTS")
 
 
 # ---- remarks --------------------------------------------------------------------------------------------------------
@@ -291,11 +238,10 @@ def _remark_missing(w: Work) -> None:
     """Pairs that overlap by the positions and are not in the list of contacts."""
     if w.contacts is None or not w.report.overlap_error < 0.01:
         return
-    pairs, listed = touch.count(w), int(((w.links.j >= 0) & (w.links.depth > 0)).sum())
+    pairs, listed = int((~w.goes_across(touching(w))).sum()), int(((w.links.j >= 0) & (w.links.depth > 0)).sum())
     if pairs - listed > pairs // 10:
         raise bad_file(f"{w.contacts.file}: lists {listed} of the {pairs} pairs that overlap; must list all: is it cut "
-                       f"short, or "
-                       "are the periods wrong?")
+                       "short, or are the periods wrong?")
     if pairs > listed:
         w.note(f"{pairs - listed} pairs overlap and are not listed as contacts")
 
@@ -313,10 +259,9 @@ def _remark_friction(w: Work, pressure: float) -> None:
 
 def _remark_walls(w: Work) -> None:
     for side, key in enumerate(SIDES):
-        if not w.has_side(-1 - side) or (w.links.j == -1 - side).any():
-            continue
-        name = ("lower", "upper")[side] if side < 2 else key
-        w.note(f"no grain touches the {name} wall" + ("" if w.cut else f"; --set {key}=PLACE moves it"))
+        if w.has_side(-1 - side) and not (w.links.j == -1 - side).any():
+            name = ("lower", "upper")[side] if side < 2 else key
+            w.note(f"no grain touches the {name} wall" + ("" if w.cut else f"; --set {key}=PLACE moves it"))
 
 
 # ---- rest -----------------------------------------------------------------------------------------------------------
@@ -325,8 +270,7 @@ def rest(w: Work, p: Packing) -> Packing:
     """Brings the packing to rest under its pressure, between rigid walls."""
     if p.cell != "piston" or p.gravity != 0:
         raise refused(f"{w.path}, --rest: grains come to rest under a piston without gravity only; read this cell "
-                      f"without "
-                      "--rest, and pack it with packing.kind = \"file\"")
+                      "without --rest, and pack it with packing.kind = \"file\"")
     if p.wall != "rigid":
         w.note("the walls become rigid, since grains come to rest between such walls only")
     table = np.array(p.contacts)
@@ -340,8 +284,7 @@ def rest(w: Work, p: Packing) -> Packing:
     loads = [2.0 * audit.carrying / max(1, packing.n - audit.rattlers) for packing in (start, rested)
              for audit in (packing.audit(),)]
     w.note(f"at rest under p = {w.pressure_text(p.pressure)} between rigid walls: height {heights[0]} -> {heights[1]}, "
-           f"contacts "
-           f"per carrying grain {loads[0]:.3g} -> {loads[1]:.3g}")
+           f"contacts per carrying grain {loads[0]:.3g} -> {loads[1]:.3g}")
     w.report.contacts, w.report.wall_contacts = len(rested.contacts), int((rested.contacts["j"] < 0).sum())
     return rested
 
@@ -350,15 +293,10 @@ def _at_rest(w: Work, start: Packing) -> Packing:
     spec = ffi.new("sp_pack_spec *", lib.sp_pack_spec_default())
     spec.kind, spec.pressure = lib.SP_PACK_FILE, start.pressure
     spec.friction, spec.poisson = start.friction, start.poisson
-    hooks = ffi.new("sp_pack_hooks *", {"threads": w.o.threads})
-    setattr(hooks, "from", start._c)
-    out = _core.new("sp_packing", lib.sp_packing_free, lib.sp_packing_none)
     try:
         call(lib.sp_packing_need_law, start._c, b"coming to rest")
         call(lib.sp_pack_spec_from, spec, start._c)
-        call(lib.sp_packing_make_with, spec, hooks, out)
+        packing = Packing.of_spec(spec, start, threads=w.o.threads)
     except _core.SonopackError as fault:
         raise type(fault)(f"{w.path}, coming to rest: {fault}", fault.status, fault.key) from None
-    if w.material is not None:
-        _core.set_fields(out.material, vars(w.material))
-    return Packing(out)
+    return packing if w.material is None else packing.of_material(w.material)

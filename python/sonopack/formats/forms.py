@@ -7,16 +7,12 @@ from collections.abc import Callable
 from . import lammps, mercury, table, xyz
 from .sheet import Sheet, load, number, numbers
 
-#: forms of other programs that --from names; "auto": by the content
-FORMS = ("auto", "lammps-data", "lammps-dump", "liggghts", "yade", "mercury", "xyz", "csv", "photoelastic")
-#: files of packings whose contacts, box and pressure are in them
-COMPLETE = ("ours", "vtp", "mat")
-
-Reader = Callable[[str, "int | None"], Sheet]
-_READERS: dict[str, Reader] = {
+_READERS: dict[str, Callable[[str, "int | None"], Sheet]] = {
     "lammps-data": lammps.read_data, "lammps-dump": lammps.read_dump, "liggghts": lammps.read_dump,
     "yade": table.read_yade, "mercury": mercury.read_grains, "xyz": xyz.read, "csv": table.read,
     "photoelastic": table.read}
+#: forms of other programs that --from names; "auto": by the content
+FORMS = ("auto", *_READERS)
 
 
 def form_of(path: str) -> str:
@@ -30,41 +26,30 @@ def form_of(path: str) -> str:
     text = start.removeprefix(b"\xef\xbb\xbf").decode(errors="replace")
     if re.match(r"\s*(<\?xml[^>]*>\s*)?<VTKFile", text):
         return "vtp"
-    return _form_of_lines([line.rstrip("\r") for line in text.split("\n")])
+    if re.match(r"#(?!format|# packing| packing)[^\n]*\n\s*[^\n#]* atoms", text):  # a comment of any kind, LAMMPS data
+        return "lammps-data"
+    if re.match(r"(\s*#(?!format)[^\n]*\n)*\s*# packing", text):
+        return "ours"
+    lines = [line.rstrip("\r") for line in re.sub(r"\A(\s*#(?!format)[^\n]*(\n|\Z))*\s*", "", text).split("\n")]
+    return _form_of_lines(lines)
 
 
-def _form_of_lines(all_lines: list[str]) -> str:
-    """The form by the first lines."""
-    lines = [line for line in all_lines if line.strip(" \t")]
-    if lines and lines[0] == all_lines[0] and lines[0].startswith("#") and not lines[0].startswith(("#format",
-        "# packing")):
-        if len(lines) > 1 and " atoms" in lines[1]:  # the first line of LAMMPS data is a comment of any kind
-            return "lammps-data"
-    while lines and lines[0].startswith("#") and not lines[0].startswith("#format"):
-        if lines[0].startswith("# packing"):
-            return "ours"
-        lines.pop(0)
-    if not lines:
-        return "auto"
-    line = lines[0]
+def _form_of_lines(lines: list[str]) -> str:
+    """The form by the first lines behind comments."""
+    line, second = (lines + [""])[:2]
     if line.startswith("N ") and " Lx " in line and " mu " in line:  # our text form's header
         return "ours"
     if line.startswith("ITEM:"):
         return "lammps-dump"
     if line.startswith("#format"):
         return "yade"
-    second = all_lines[all_lines.index(line) + 1] if line in all_lines[:-1] else ""
     counts = [len(found.split()) if numbers(found, 10**6) else 0 for found in (line, second)]
     if counts[0] == 1 and ("Lattice=" in second or "Properties=" in second):
         return "xyz"
     if counts[0] in (6, 8) and counts[1] in (8, 14):
         return "mercury"
-    if any(" atoms" in found or " xlo xhi" in found for found in lines[1:40]):
+    if any(" atoms" in found or " xlo xhi" in found for found in [found for found in lines if found.strip()][1:40]):
         return "lammps-data"
-    return _form_of_header(line)
-
-
-def _form_of_header(line: str) -> str:
     cells = [cell.strip() for cell in line.split(",")]
     if len(cells) > 1:
         return "photoelastic" if {"frame", "radius", "boundary"} <= set(cells) else "csv"

@@ -1,12 +1,11 @@
 """Data files and dumps of LAMMPS, and dumps of LIGGGHTS."""
 from __future__ import annotations
 
-import dataclasses
 import re
+from collections.abc import Iterator
 
-from ._faults import bad_file, bad_option
 from .export import Export, number_text, rows_of
-from .sheet import Cursor, Sheet, numbers, shown, text_of
+from .sheet import Cursor, Frame, Sheet, numbers, shown, text_of
 
 _EDGES = ("xlo xhi", "ylo yhi", "zlo zhi")
 
@@ -16,22 +15,21 @@ _EDGES = ("xlo xhi", "ylo yhi", "zlo zhi")
 def read_data(path: str, frame: int | None = None) -> Sheet:
     """A data file of atom style sphere."""
     del frame
-    at = Cursor(path, text_of(path))
+    at, atoms = Cursor(path, text_of(path)), 0
     sheet = Sheet(path, [])
     sheet.said = said_in(at.next() or "")  # a comment
-    atoms = 0
     while (line := at.words()) is not None:
-        if line.startswith("Atoms"):
-            if atoms == 0:
-                at.fail("Atoms before a line '... atoms'")
-            style = line.partition("#")[2].split()
-            if style and style[0] != "sphere":
-                at.fail(f"atom style {style[0]}; must be sphere, whose rows have a diameter and a density")
-            cells = (at.copy().words() or "").partition("#")[0].split()
-            sheet.names = ["id", "type", "diameter", "density", "x", "y", "z",
-                           *(("ix", "iy", "iz") if len(cells) == 10 else ())]
-            return sheet.read(at, atoms, "atoms")
-        atoms = _header_line(sheet, at, line) or atoms
+        if not line.startswith("Atoms"):
+            atoms = _header_line(sheet, at, line) or atoms
+            continue
+        if atoms == 0:
+            at.fail("Atoms before a line '... atoms'")
+        style = line.partition("#")[2].split()
+        if style and style[0] != "sphere":
+            at.fail(f"atom style {style[0]}; must be sphere, whose rows have a diameter and a density")
+        cells = (at.copy().words() or "").partition("#")[0].split()
+        sheet.names = "id type diameter density x y z".split() + (["ix", "iy", "iz"] if len(cells) == 10 else [])
+        return sheet.read(at, atoms)
     at.fail("the file ends without a section 'Atoms # sphere'")
 
 
@@ -40,22 +38,31 @@ def _header_line(sheet: Sheet, at: Cursor, line: str) -> int:
     content = line.partition("#")[0].rstrip(" \t")
     for axis, edge in enumerate(_EDGES):
         if content.endswith(edge):
-            ends = numbers(line, 2)
-            if len(ends) != 2 or not ends[1] > ends[0]:
-                at.fail(f"'{line}'; must be two growing numbers before {edge}")
-            sheet.box[axis], sheet.low[axis], sheet.high[axis] = True, ends[0], ends[1]
+            _read_edge(sheet, at, line, axis, 2, f"two growing numbers before {edge}")
     if content.endswith("xy xz yz"):
         sheet.tilt = numbers(line, 3)
         if len(sheet.tilt) != 3:
             at.fail(f"'{line}'; must be three numbers before xy xz yz")
     if content.endswith((" avec", " bvec", " cvec")):
         at.fail(f"'{line}': a box of any direction; must be given by xlo xhi ... xy xz yz")
-    if not content.endswith(" atoms"):
-        return 0
+    return count_of(at, line, "the number of atoms, 1 or more") if content.endswith(" atoms") else 0
+
+
+def count_of(at: Cursor, line: str, what: str) -> int:
+    """The number of rows that a line begins with."""
     count = numbers(line, 1)
     if not count or not 1 <= count[0] < 1e9:
-        at.fail(f"'{line}'; must be the number of atoms, 1 or more")
+        at.fail(f"{shown(line)}; must be {what}")
     return int(count[0])
+
+
+def _read_edge(sheet: Sheet, at: Cursor, line: str, axis: int, count: int, what: str) -> list[float]:
+    """The numbers of a line, the first two of which are the box along an axis."""
+    found = numbers(line, count)
+    if len(found) != count or not found[1] > found[0]:
+        at.fail(f"'{line}'; must be {what}")
+    sheet.box[axis], sheet.low[axis], sheet.high[axis] = True, found[0], found[1]
+    return found
 
 
 def said_in(line: str) -> dict[str, str]:
@@ -68,66 +75,38 @@ def said_in(line: str) -> dict[str, str]:
 
 # ---- dumps ----------------------------------------------------------------------------------------------------------
 
-@dataclasses.dataclass
-class _Frame:
-    """One frame of a dump: what its header says, and where its rows are."""
-
-    sheet: Sheet
-    step: float = -1
-    count: float = -1
-    rows: Cursor | None = None
-
-
 def read_dump(path: str, frame: int | None = None) -> Sheet:
     """The frame of a time step, or the last."""
-    at = Cursor(path, text_of(path))
-    frames, last, chosen = 0, -1, None
-    while (found := _read_frame(at)) is not None:
-        frames, last = frames + 1, int(found.step)
-        if frame is None or frame == last:
-            chosen = found
-        at.skip(int(min(found.count, len(at.text))))
-    if frames == 0:
-        raise bad_file(f"{path}: no frame: no line 'ITEM: TIMESTEP'")
-    if chosen is None or chosen.rows is None:
-        raise bad_option(f"{path}: no frame of step {frame}; it has {frames}, the last of step {last}")
-    sheet = chosen.sheet
-    sheet.frames, sheet.frame = frames, int(chosen.step)
-    if not sheet.names:
-        chosen.rows.fail("no names of columns")
-    return sheet.read(chosen.rows, int(chosen.count))
+    sheet = Sheet(path, [])
+    chosen = sheet.pick(_frames(Cursor(path, text_of(path))), frame)
+    own: Sheet = chosen.head
+    if not own.names:
+        chosen.at.fail("no names of columns")
+    own.frames, own.frame = sheet.frames, sheet.frame
+    return own.read(chosen.at, chosen.rows)
 
 
-def steps(path: str) -> list[int]:
-    """The time steps of all frames."""
-    at, found = Cursor(path, text_of(path)), []
-    while (frame := _read_frame(at)) is not None:
-        found.append(int(frame.step))
-        at.skip(int(min(frame.count, len(at.text))))
-    return found
-
-
-def _read_frame(at: Cursor) -> _Frame | None:
-    """The header of the next frame; None at the end of the file."""
-    frame, any_line = _Frame(Sheet(at.file, [])), False
+def _frames(at: Cursor) -> Iterator[Frame]:
+    """Each frame with a sheet of its columns and its box."""
     while (line := at.words()) is not None:
-        any_line = True
-        if line.startswith("ITEM: TIMESTEP"):
-            frame.step = _single(at, "time step")
-        elif line.startswith("ITEM: NUMBER OF"):
-            frame.count = _single(at, "number of rows")
-        elif line.startswith("ITEM: BOX BOUNDS"):
-            _read_bounds(frame.sheet, at, line.split()[3:])
-        elif line.startswith(("ITEM: ATOMS", "ITEM: ENTRIES")):
-            frame.sheet.names, frame.rows = line.split()[2:], at.copy()
-            break
-        elif not line.startswith("ITEM:"):
-            at.fail(f"{shown(line)} where a line 'ITEM: ...' must be")
-        else:  # such as ITEM: UNITS, ITEM: TIME, which have one line
-            at.next()
-    if any_line and (frame.rows is None or frame.count < 0):
-        at.fail("the file ends inside of a frame, before its rows")
-    return frame if any_line else None
+        step, count, sheet = -1.0, -1.0, Sheet(at.file, [])
+        while line is not None and not line.startswith(("ITEM: ATOMS", "ITEM: ENTRIES")):
+            if line.startswith("ITEM: TIMESTEP"):
+                step = _single(at, "time step")
+            elif line.startswith("ITEM: NUMBER OF"):
+                count = _single(at, "number of rows")
+            elif line.startswith("ITEM: BOX BOUNDS"):
+                _read_bounds(sheet, at, line.split()[3:])
+            elif line.startswith("ITEM:"):  # such as ITEM: UNITS, ITEM: TIME, which have one line
+                at.next()
+            else:
+                at.fail(f"{shown(line)} where a line 'ITEM: ...' must be")
+            line = at.words()
+        if line is None or count < 0:
+            at.fail("the file ends inside of a frame, before its rows")
+        sheet.names = line.split()[2:]
+        yield Frame(int(step), int(min(count, 2**62)), at.copy(), sheet)
+        at.skip(int(min(count, len(at.text))))
 
 
 def _single(at: Cursor, what: str) -> float:
@@ -145,30 +124,21 @@ def _read_bounds(sheet: Sheet, at: Cursor, words: list[str]) -> None:
     for axis, word in enumerate([word for word in words if len(word) == 2 and word[0] not in "xyz"][:3]):
         sheet.periodic[axis] = int(word == "pp")
     for axis in range(3):
-        line = at.next() or ""
-        found = numbers(line, 2 + tilted)
-        if len(found) != 2 + tilted or not found[1] > found[0]:
-            at.fail(f"'{line}'; must be two growing numbers{' and the tilt' if tilted else ''}, the box along "
-                    f"{'xyz'[axis]}")
-        sheet.box[axis], sheet.low[axis], sheet.high[axis] = True, found[0], found[1]
+        found = _read_edge(sheet, at, at.next() or "", axis, 2 + tilted, f"two growing numbers"
+                           f"{' and the tilt' if tilted else ''}, the box along {'xyz'[axis]}")
         sheet.tilt[axis] = found[2] if tilted else 0.0
-    if tilted:
-        _straighten(sheet, at)
-
-
-def _around(tilt: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """How far the smallest box with right angles around a tilted one lies outside of it, along x and y."""
-    xy, xz, yz = tilt
-    return (min(0.0, xy, xz, xy + xz), max(0.0, xy, xz, xy + xz)), (min(0.0, yz), max(0.0, yz))
-
-
-def _straighten(sheet: Sheet, at: Cursor) -> None:
-    """Bounds of a tilted box are those of the smallest box with right angles around it."""
-    for axis, (below, above) in enumerate(_around(sheet.tilt)):
+    for axis, (below, above) in enumerate(_around(sheet.tilt) if tilted else ()):
         sheet.low[axis] -= below
         sheet.high[axis] -= above
         if not sheet.high[axis] > sheet.low[axis]:
             at.fail(f"the bounds along {'xyz'[axis]} leave nothing of the box at these tilts")
+
+
+def _around(tilt: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """How far the smallest box with right angles around a tilted one, which bounds are of, lies outside of it, along x
+    and y."""
+    xy, xz, yz = tilt
+    return (min(0.0, xy, xz, xy + xz), max(0.0, xy, xz, xy + xz)), (min(0.0, yz), max(0.0, yz))
 
 
 # ---- writing --------------------------------------------------------------------------------------------------------
@@ -184,12 +154,10 @@ def _bounds(e: Export) -> list[tuple[float, float, bool]]:
 def write_data(e: Export) -> bytes:
     """A data file of atom style sphere. What it cannot say otherwise is in its first line, which LAMMPS skips."""
     p, n = e.packing, number_text
-    title = (f"sonopack packing in {e.units.all}: dimension={p.dim} pressure={n(e.pressure)} friction={n(p.friction)} "
-             f"poisson={n(p.poisson)} wall={p.wall}")
-    if e.special:
-        title += f" cell={p.cell} gravity={n(e.gravity)}"
-    head = f"{title}\n\n{p.n} atoms\n1 atom types\n\n"
-    head += "".join(f"{n(low)} {n(high)} {axis}lo {axis}hi\n" for axis, (low, high, _) in zip("xyz", _bounds(e)))
+    special = f" cell={p.cell} gravity={n(e.gravity)}" if e.special else ""
+    head = (f"sonopack packing in {e.units.all}: dimension={p.dim} pressure={n(e.pressure)} friction={n(p.friction)} "
+            f"poisson={n(p.poisson)} wall={p.wall}{special}\n\n{p.n} atoms\n1 atom types\n\n")
+    head += "".join(f"{n(low)} {n(high)} {edge}\n" for edge, (low, high, _) in zip(_EDGES, _bounds(e)))
     if any(p.tilt):
         head += " ".join(map(n, e.tilt)) + " xy xz yz\n"
     columns = [e.ids + 1, e.ids * 0 + 1, 2 * e.r, e.density, *e.x.T]
@@ -198,15 +166,13 @@ def write_data(e: Export) -> bytes:
 
 def write_dump(e: Export) -> bytes:
     """One snapshot of `dump custom`."""
-    tilted, bounds = any(e.packing.tilt), _bounds(e)
-    if tilted:
-        out = _around(list(e.tilt))
-        bounds = [(bounds[a][0] + out[a][0], bounds[a][1] + out[a][1], bounds[a][2]) if a < 2 else bounds[a]
-                  for a in range(3)]
-    head = (f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{e.packing.n}\nITEM: BOX BOUNDS{' xy xz yz' if tilted else ''} "
-            + " ".join("pp" if periodic else "ff" for _, _, periodic in bounds) + "\n")
-    for axis, (low, high, _) in enumerate(bounds):
-        head += " ".join(map(number_text, (low, high, *((e.tilt[axis],) if tilted else ())))) + "\n"
+    tilted = any(e.packing.tilt)
+    out = (*_around(e.tilt), (0.0, 0.0))
+    flags = " ".join("pp" if periodic else "ff" for _, _, periodic in _bounds(e))
+    head = (f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{e.packing.n}\n"
+            f"ITEM: BOX BOUNDS{' xy xz yz' * tilted} {flags}\n")
+    for (low, high, _), (below, above), tilt in zip(_bounds(e), out, e.tilt):
+        head += " ".join(map(number_text, (low + below, high + above, tilt)[:2 + tilted])) + "\n"
     names, vectors = e.vectors("u", "r")
     head += f"ITEM: ATOMS id type x y z radius mass fx fy fz contacts rattler{names}\n"
     columns = [e.ids + 1, e.ids * 0 + 1, *e.x.T, e.r, e.mass, *e.net.T, e.contacts, e.rattler, *vectors]

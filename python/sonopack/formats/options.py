@@ -7,7 +7,6 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from .._core import FileError, InvalidInput
 from .._records import Material
 from ._faults import bad_file, bad_option
 from .sheet import Sheet, number
@@ -17,21 +16,16 @@ SIDES = ("bottom", "top", "left", "right", "front", "back")
 CELLS = ("piston", "periodic", "box")
 WALLS = ("rigid", "grain", "elastic")
 
-#: keys that are numbers, with the least and the largest
-_NUMBERS = {**{key: (0.0, math.inf) for key in ("width", "depth", "height", "pressure")},
-            **{key: (-math.inf, math.inf) for key in (*SIDES, "xy", "xz", "yz", "gravity")},
-            "friction": (0.0, 1e6), "poisson": (0.0, 0.5)}
-#: keys that are words, and what they may be
-_WORDS = {"cell": CELLS, "up": ("x", "y", "z"), "sides": ("open", "periodic"), "across": ("drop",),
-          "digits": ("exact",),
-          "wall": WALLS, "dimension": ("2", "3")}
-_KEYS = ("dimension, up, cell, sides, across, width, depth, bottom, top, height, left, right, front, back, xy, xz, yz, "
-         "gravity, "
-         "pressure, friction, poisson, wall, digits, first_id")
+_ANY, _POSITIVE = (-math.inf, math.inf), (0.0, math.inf)
+#: the keys: words that each may be, or the least and the largest number
+_KEYS: dict[str, tuple[Any, ...]] = {
+    "dimension": ("2", "3"), "up": ("x", "y", "z"), "cell": CELLS, "sides": ("open", "periodic"), "across": ("drop",),
+    "width": _POSITIVE, "depth": _POSITIVE, "bottom": _ANY, "top": _ANY, "height": _POSITIVE,
+    **{key: _ANY for key in ("left", "right", "front", "back", "xy", "xz", "yz", "gravity")}, "pressure": _POSITIVE,
+    "friction": (0.0, 1e6), "poisson": (0.0, 0.5), "wall": WALLS, "digits": ("exact",), "first_id": ()}
 #: those that the head of a file may say
 SAID = ("dimension", "cell", "width", "depth", "height", *SIDES, "xy", "xz", "yz", "gravity", "friction", "poisson",
-        "wall",
-        "pressure")
+        "wall", "pressure")
 
 
 @dataclasses.dataclass
@@ -62,32 +56,24 @@ class Options:
         return float(self.keys.get(key, NAN))
 
     def given(self, *keys: str) -> bool:
+        """Whether one of these keys is given."""
         return any(key in self.keys for key in keys)
-
-    def is_on(self, key: str, word: str) -> bool:
-        return bool(self.keys.get(key) == word)
 
 
 def read_key(name: str, value: str) -> Any:
     """The value of a key, checked."""
-    if name in _NUMBERS:
-        low, high = _NUMBERS[name]
-        found = number(value)
-        if not low <= found <= high:
-            raise bad_option(f" = '{value:.60}': must be {'a finite number >= 0' if low == 0 else 'a finite number'}",
-                             name)
-        return found
-    if name in _WORDS:
-        words = _WORDS[name]
-        if value not in words:
-            listed = f"{', '.join(words[:-1])} or {words[-1]}" if len(words) > 1 else words[0]
-            raise bad_option(f" = '{value:.60}': must be {listed}", name)
-        return value
+    if name not in _KEYS:
+        raise bad_option(f"'{name:.60}={value:.60}': must be key=value with one of the keys {', '.join(_KEYS)}")
+    allowed, found = _KEYS[name], number(value)
     if name == "first_id":
-        if not re.fullmatch(r"\+?\d{1,18}", value):
-            raise bad_option(f" = '{value:.60}': must be a whole number >= 0", name)
-        return int(value)
-    raise bad_option(f"'{name:.60}={value:.60}': must be key=value with one of the keys {_KEYS}")
+        good, rule = bool(re.fullmatch(r"\+?\d{1,18}", value)), "a whole number >= 0"
+    elif isinstance(allowed[0], str):
+        good, rule = value in allowed, f"{', '.join(allowed[:-1])} or {allowed[-1]}".removeprefix(" or ")
+    else:
+        good, rule = allowed[0] <= found <= allowed[1], "a finite number" + " >= 0" * (allowed[0] == 0)
+    if not good:
+        raise bad_option(f" = '{value:.60}': must be {rule}", name)
+    return int(value) if name == "first_id" else value if isinstance(allowed[0], str) else found
 
 
 def read_keys(texts: Iterable[str]) -> dict[str, Any]:
@@ -97,7 +83,7 @@ def read_keys(texts: Iterable[str]) -> dict[str, Any]:
         name, equals, value = text.partition("=")
         name = name.strip().removeprefix("packing.")
         if not equals:
-            raise bad_option(f"'{text:.60}': must be key=value with one of the keys {_KEYS}")
+            raise bad_option(f"'{text:.60}': must be key=value with one of the keys {', '.join(_KEYS)}")
         keys[name] = read_key(name, value.strip().strip('"'))
     return keys
 
@@ -109,12 +95,12 @@ def keys_of(values: Mapping[str, Any]) -> dict[str, Any]:
 
 # ---- columns --------------------------------------------------------------------------------------------------------
 
-#: the names that programs give to their columns; sp_id, sp_contact and sp_gran are the computes of share/sonopack
-USUAL = {
+_OF_GRAINS = {
     "id": "id ID Id c_sp_wall[3]", "type": "type matId species info mol element", "x": "x xu xs xsu X",
     "y": "y yu ys ysu Y", "z": "z zu zs zsu Z", "radius": "radius r R rad Radius", "diameter": "diameter d D",
     "mass": "mass m masses", "inertia": "inertia", "density": "density", "boundary": "boundary",
-    **{side: "" for side in SIDES},
+    **{side: "" for side in SIDES}}
+_OF_CONTACTS = {
     "id1": "id1 i patom1 c_sp_id[1] c_sp_gran[1]", "id2": "id2 j patom2 c_sp_id[2] c_sp_gran[2]",
     "overlap": "overlap penetrationDepth c_sp_gran[13]", "fn": "fn Fn force c_sp_contact[2]", "ft": "ft Ft",
     "ft_x": "ft_x Ftx p1 c_sp_contact[3] c_sp_gran[10]", "ft_y": "ft_y Fty p2 c_sp_contact[4] c_sp_gran[11]",
@@ -122,7 +108,8 @@ USUAL = {
     "fn_x": "fn_x c_sp_gran[7]", "fn_y": "fn_y c_sp_gran[8]", "fn_z": "fn_z c_sp_gran[9]", "f_x": "f_x c_sp_wall[4]",
     "f_y": "f_y c_sp_wall[5]", "f_z": "f_z c_sp_wall[6]", "p_x": "p_x", "p_y": "p_y", "p_z": "p_z", "kn": "kn",
     "kt": "kt ks"}
-_OF_CONTACTS = list(USUAL)[list(USUAL).index("id1"):]
+#: the names that programs give to their columns; sp_id, sp_contact and sp_gran are the computes of share/sonopack
+_USUAL = _OF_GRAINS | _OF_CONTACTS
 
 #: a column of a sheet and the sign that its numbers get
 Column = tuple[int, float]
@@ -136,25 +123,26 @@ class Roles:
         self.used: set[str] = set()
         for word in filter(None, (text or "").split(",")):
             role, _, name = word.partition("=")
-            if role not in USUAL or not name:
+            if role not in _USUAL or not name:
                 raise bad_option(f"--columns {role:.40}: must be ROLE=COLUMN, separated by commas, with a role of: "
-                                 + " ".join(USUAL))
+                                 + " ".join(_USUAL))
             self.named[role] = (name.removeprefix("-"), -1.0 if name.startswith("-") else 1.0)
 
     def find(self, sheet: Sheet, role: str) -> Column | None:
+        """The column of a role; None: there is none."""
         if role in self.named:
             name, sign = self.named[role]
             if name in sheet.names:
                 self.used.add(role)
                 return sheet.names.index(name), sign
-        return next(((sheet.names.index(name), 1.0) for name in USUAL[role].split() if name in sheet.names), None)
+        return next(((sheet.names.index(name), 1.0) for name in _USUAL[role].split() if name in sheet.names), None)
 
     def need(self, sheet: Sheet, role: str) -> Column:
+        """The column of a role, which must be there."""
         found = self.find(sheet, role)
         if found is None:
             raise bad_file(f"{sheet.file}: no column for {role}; its columns are: {sheet.listed()}-- name it by "
-                           f"--columns "
-                           f"{role}=COLUMN")
+                           f"--columns {role}=COLUMN")
         return found
 
     def axis_sign(self, axis: int) -> float:
@@ -165,11 +153,9 @@ class Roles:
         """The columns role_x, ... along the axes of the packing. Components along an axis that is turned change their
         signs, unless the option names their own columns."""
         found = []
-        for axis in "xyz":  # those of axes that the packing does not have are named all the same
-            self.find(sheet, f"{role}_{axis}")
+        every = [self.find(sheet, f"{role}_{axis}") for axis in "xyz"]  # also of axes that the packing does not have
         for axis in axes:
-            name = f"{role}_{'xyz'[axis]}"
-            column = self.find(sheet, name)
+            column, name = every[axis], f"{role}_{'xyz'[axis]}"
             if column is not None:
                 found.append((column[0], column[1] * (1.0 if name in self.named else self.axis_sign(axis))))
         if found and len(found) < len(axes):
@@ -180,13 +166,7 @@ class Roles:
     def check(self, grains: Sheet, contacts: Sheet | None) -> None:
         """Refuses roles of the option that no sheet has."""
         for role, (name, _) in self.named.items():
-            if role in self.used or role in SIDES:
-                continue
-            sheet = contacts if contacts is not None and role in _OF_CONTACTS else grains
-            raise bad_option(f"--columns {role}={name}: {sheet.file} has no such column; its columns are: "
-                             f"{sheet.listed()}")
-
-
-def as_file_fault(fault: InvalidInput | FileError) -> InvalidInput:
-    """A fault of options that no user has given is one of the file."""
-    return bad_file(str(fault))
+            if role not in self.used and role not in SIDES:
+                sheet = contacts if contacts is not None and role in _OF_CONTACTS else grains
+                raise bad_option(f"--columns {role}={name}: {sheet.file} has no such column; its columns are: "
+                                 f"{sheet.listed()}")

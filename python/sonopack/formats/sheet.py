@@ -1,6 +1,7 @@
 """Rows of numbers from a text file of another program, quickly: files have up to millions of them."""
 from __future__ import annotations
 
+import dataclasses
 import gzip
 import io
 import math
@@ -9,15 +10,18 @@ import re
 import stat
 import warnings
 import zlib
-from collections.abc import Iterator
-from typing import NoReturn
+from collections.abc import Iterable, Iterator
+from typing import Any, NoReturn
 
 import numpy as np
+import numpy.typing as npt
 
 from .._core import Floats, Integers
-from ._faults import bad_file, unreadable
+from ._faults import bad_file, bad_option, unreadable
 
-MOST_COLUMNS = 128
+Mask = npt.NDArray[np.bool_]
+
+_MOST_COLUMNS = 128
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.A)
 _COMMENT = re.compile(rb"^[ \t]*#[^\n]*", re.M)
 _SAMPLED = 20000  # rows of which digits are counted, where a file has more
@@ -31,13 +35,11 @@ def load(path: str, limit: int = -1) -> bytes:
             if stat.S_ISDIR(os.fstat(handle).st_mode):
                 raise IsADirectoryError(21, "Is a directory")
             os.set_blocking(handle, True)
-            head = file.peek(2)[:2]
-            data = gzip.open(file).read(limit) if head == b"\x1f\x8b" else file.read(limit)
+            return gzip.open(file).read(limit) if file.peek(2)[:2] == b"\x1f\x8b" else file.read(limit)
     except (EOFError, zlib.error, gzip.BadGzipFile) as fault:
         raise bad_file(f"{path}: is damaged or cut, as gzip finds: {fault}") from None
     except OSError as fault:
         raise unreadable(path, fault) from None
-    return data
 
 
 def text_of(path: str) -> bytes:
@@ -61,6 +63,7 @@ def numbers(line: str, count: int) -> list[float]:
 
 
 def shown(line: str, length: int = 60) -> str:
+    """The beginning of a line in quotes."""
     return f"'{line[:length]}'"
 
 
@@ -89,101 +92,116 @@ class Cursor:
 
     def skip(self, lines: int) -> None:
         """Passes over so many lines, or those that there are."""
-        if lines > 10000:  # guess by the next one's length, which rows of one program share
+        if lines > 10000:
             ends = np.flatnonzero(np.frombuffer(self.text, np.uint8, offset=min(self.at, len(self.text))) == 10)
             passed = min(lines, len(ends))
             self.at = self.at + int(ends[passed - 1]) + 1 if passed else len(self.text)
             self.line += passed
-            return
-        for _ in range(lines):
-            if self.next() is None:
-                return
+        else:
+            while lines > 0 and self.next() is not None:
+                lines -= 1
 
     def copy(self) -> Cursor:
+        """A second cursor at this place."""
         return Cursor(self.file, self.text, self.at, self.line)
 
     def fail(self, text: str) -> NoReturn:
+        """Refuses the last line."""
         raise bad_file(f"{self.file}:{self.line}: {text}")
 
 
-class Sheet:
-    """Rows of numbers with named columns, and what the headers say: the box, periods and tilts, keys, the frame.
+@dataclasses.dataclass
+class Frame:
+    """One of the frames of a file: its number, how many rows it has, where they begin, and what its header says."""
 
-    values [rows][columns]: NaN for cells that are no finite numbers; word() is the text of a cell.
+    number: int
+    rows: int
+    at: Cursor
+    head: Any
+
+
+class Sheet:
+    """Rows of numbers with named columns, and what the headers say: the box, periods and tilts, keys, the frames.
+
+    values [rows][columns]: NaN for cells that are no finite numbers; words() are the texts of a column.
     """
 
     def __init__(self, file: str, names: list[str], separator: str = " ") -> None:
         self.file, self.names, self.separator = file, names, separator
         self.values: Floats = np.empty((0, len(names)))
-        self.box = [False] * 3
-        self.low, self.high, self.tilt = [0.0] * 3, [0.0] * 3, [0.0] * 3
-        self.periodic = [-1] * 3
+        self.box, self.low, self.high, self.tilt = [False] * 3, [0.0] * 3, [0.0] * 3, [0.0] * 3
+        self.periodic = [-1] * 3  # 1: yes, 0: no, -1: the file does not say
         self.said: dict[str, str] = {}
-        self.frames, self.frame = 1, -1
+        self.frames: list[int] = []
+        self.frame = -1
         self._kept: Integers | None = None
         self._begin = Cursor(file, b"")
-        self._end = 0
 
     @property
     def rows(self) -> int:
+        """How many rows there are."""
         return len(self.values)
 
     # ---- reading ----------------------------------------------------------------------------------------------------
 
-    def read(self, at: Cursor, count: int | None = None, what: str = "rows") -> Sheet:
-        """Reads `count` rows, or all that there are but for comments, from where the cursor is. Moves the cursor on."""
-        if len(self.names) > MOST_COLUMNS:
-            at.fail(f"more than {MOST_COLUMNS} columns")
-        self._begin, self._end = at.copy(), len(at.text)
-        region = memoryview(at.text)[at.at:]
+    def pick(self, found: Iterable[Frame], wanted: int | None) -> Frame:
+        """The frame of this number, or the last."""
+        chosen = None
+        for one in found:
+            self.frames.append(one.number)
+            if wanted is None or wanted == one.number:
+                chosen = one
+        if not self.frames:
+            raise bad_file(f"{self.file}: no frame")
+        if chosen is None:
+            raise bad_option(f"{self.file}: no frame {wanted}; it has {len(self.frames)}, {self.frames[0]} .. "
+                             f"{self.frames[-1]}")
+        self.frame = chosen.number
+        return chosen
+
+    def read(self, at: Cursor, count: int | None = None) -> Sheet:
+        """Reads `count` rows, or all that there are but for comments, from where the cursor is."""
+        if len(self.names) > _MOST_COLUMNS:
+            at.fail(f"more than {_MOST_COLUMNS} columns")
+        self._begin = at.copy()
+        values = self._parse(count)
+        self.values = self._parse_rows(count) if values is None else values
         if count is None:
-            self.values = self._parse(_COMMENT.sub(b"", bytes(region)) if b"#" in at.text else region, None)
             return self
-        self.values = self._parse(region, count)
         if self.rows < count:
             lines = at.text.count(b"\n") + (not at.text.endswith(b"\n"))
-            raise bad_file(f"{self.file}:{lines}: the file ends after {self.rows} of {count} {what}; must have all of "
-                           f"them")
-        if count and not at.text.endswith(b"\n") and self._offset_of_last() == len(at.text):
-            raise bad_file(f"{self.file}:{self.line(self.rows - 1)}: the file ends inside of this line; must end with "
-                           f"a line "
-                           "end")
+            raise bad_file(f"{self.file}:{lines}: the file ends after {self.rows} of {count} rows; must have all of "
+                           "them")
+        if not at.text.endswith(b"\n") and at.text.count(b"\n", at.at) == count - 1:
+            raise bad_file(f"{self.file}:{self.line(count - 1)}: the file ends inside of this line; must end with a "
+                           "line end")
         return self
 
-    def _offset_of_last(self) -> int:
-        """Where the last row ends: the end of the file, unless words follow."""
-        tail = self._begin.text[self._begin.text.rfind(b"\n") + 1:].decode(errors="replace")
-        last = [number(word) for word in self._cells(tail)]
-        same = len(last) == len(self.names) and np.array_equal(np.array(last), self.values[-1], equal_nan=True)
-        return len(self._begin.text) if same else 0
-
-    def _parse(self, region: memoryview | bytes, count: int | None) -> Floats:
-        """The rows by pandas, if all of their cells are numbers, else one by one."""
+    def _parse(self, count: int | None) -> Floats | None:
+        """The rows by pandas, if all of their cells are numbers or words in columns of words."""
         import pandas
-        words = {"delim_whitespace": True} if self.separator == " " else {"sep": self.separator}
+        region: bytes | memoryview = memoryview(self._begin.text)[self._begin.at:]
+        if count is None and b"#" in self._begin.text:
+            region = _COMMENT.sub(b"", region)
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # cells that are too many are found in "more"
                 frame = pandas.read_csv(
                     io.BytesIO(region), header=None, names=[*range(len(self.names)), "more"], index_col=False,
-                    nrows=count,
-                    engine="c", float_precision="round_trip", encoding_errors="replace", low_memory=False, quoting=3,
-                    **words)
+                    nrows=count, engine="c", float_precision="round_trip", encoding_errors="replace", low_memory=False,
+                    quoting=3, sep=r"\s+" if self.separator == " " else self.separator)
         except (pandas.errors.ParserError, pandas.errors.EmptyDataError, OverflowError, ValueError):
-            return self._parse_rows(count)
-        more = frame.pop("more")
-        named = [k for k in frame if frame[k].dtype == object]
-        for k in named:  # a column of names, such as the species of XYZ
-            if frame[k].map(lambda cell: isinstance(cell, str) and math.isnan(number(cell.strip()))).all():
-                frame[k] = np.nan
-        values = frame.to_numpy(dtype=float) if not any(frame[k].dtype == object for k in frame) else None
-        whole = values is not None and bool(more.isna().all()) and np.isfinite(
-            values[:, [k for k in range(len(self.names)) if k not in named]]).all()
-        if not whole or len(self.names) - 1 in named or (count is not None and len(frame) < count):
-            return self._parse_rows(count)
-        return values  # type: ignore[return-value]
+            return None
+        whole = bool(frame.pop("more").isna().all()) and (count is None or len(frame) == count)
+        words = [k for k in frame if frame[k].dtype == object]  # columns of names, such as the species of XYZ
+        if not whole or len(self.names) - 1 in words or not all(frame[k].map(_is_word).all() for k in words):
+            return None
+        frame[words] = np.nan
+        values = frame.to_numpy(dtype=float)
+        return values if np.isfinite(np.delete(values, words, axis=1) if words else values).all() else None
 
     def _parse_rows(self, count: int | None) -> Floats:
+        """The rows one by one: finds the first that is wrong."""
         rows: list[list[float]] = []
         for line, cells in self._lines():
             if len(rows) == count:
@@ -200,9 +218,10 @@ class Sheet:
         at = self._begin.copy()
         while (line := at.words()) is not None:
             if not line.lstrip().startswith("#"):
-                yield at.line, self._cells(line)
+                yield at.line, self.cells(line)
 
-    def _cells(self, line: str) -> list[str]:
+    def cells(self, line: str) -> list[str]:
+        """The cells of a line."""
         if self.separator == " ":
             return line.split()
         cells = line.split(self.separator)
@@ -221,19 +240,11 @@ class Sheet:
 
     def _row(self, row: int) -> tuple[int, list[str]]:
         wanted = row if self._kept is None else int(self._kept[row])
-        for k, found in enumerate(self._lines()):
-            if k == wanted:
-                return found
-        raise IndexError(row)
+        return next(found for k, found in enumerate(self._lines()) if k == wanted)
 
     def line(self, row: int) -> int:
         """The number of the line of a row."""
         return self._row(row)[0]
-
-    def word(self, row: int, column: int) -> str:
-        """The text of a cell, without quotes."""
-        word = self._row(row)[1][column]
-        return word[1:-1] if len(word) > 1 and word[0] == word[-1] == '"' else word
 
     def words(self, column: int) -> list[str]:
         """The texts of a column."""
@@ -243,26 +254,24 @@ class Sheet:
         texts = [cells[column].strip('"') for _, cells in self._lines()]
         return texts[:self.rows] if self._kept is None else [texts[k] for k in self._kept]
 
-    def fail(self, row: int, column: int, rule: str) -> NoReturn:
-        """Refuses a cell."""
-        raise bad_file(f"{self.file}:{self.line(row)}: column {self.names[column]} is '{self.word(row, column)}'; must "
-                       f"be "
-                       f"{rule}")
+    def refuse(self, bad: Mask, column: int, rule: str, rows: Integers | None = None) -> None:
+        """Refuses the first cell that is bad, if any; rows: those that `bad` is about."""
+        at = np.flatnonzero(bad)
+        if len(at):
+            line, cells = self._row(int(at[0] if rows is None else rows[at[0]]))
+            word = re.sub('^"(.*)"$', r"\1", cells[column])
+            raise bad_file(f"{self.file}:{line}: column {self.names[column]} is '{word}'; must be {rule}")
 
     def finite(self, column: int, rows: Integers | None = None) -> Floats:
         """The numbers of a column, in these rows; the first that is not finite is refused."""
         values: Floats = self.values[:, column] if rows is None else self.values[rows, column]
-        bad = np.flatnonzero(np.isnan(values))
-        if len(bad):
-            self.fail(int(bad[0]) if rows is None else int(rows[bad[0]]), column, "a finite number")
+        self.refuse(np.isnan(values), column, "a finite number", rows)
         return values
 
     def whole(self, column: int, rows: Integers | None = None) -> Integers:
         """The same of whole numbers."""
-        values = self.values[:, column] if rows is None else self.values[rows, column]
-        bad = np.flatnonzero(~((np.abs(values) < 9e15) & (values == np.trunc(values))))
-        if len(bad):
-            self.fail(int(bad[0]) if rows is None else int(rows[bad[0]]), column, "a whole number")
+        values: Floats = self.values[:, column] if rows is None else self.values[rows, column]
+        self.refuse(~((np.abs(values) < 9e15) & (values == np.trunc(values))), column, "a whole number", rows)
         return values.astype(np.int64)
 
     def listed(self) -> str:
@@ -270,31 +279,26 @@ class Sheet:
         text = "".join(f"{name} " for name in self.names)
         return text if len(text) < 495 else text[:490] + "..."
 
-    def digits(self, columns: list[int]) -> list[int]:
-        """The most significant digits that a cell of each column has, of 20000 rows where there are more."""
-        most = [0] * len(columns)
+    def digits(self, columns: list[int]) -> int:
+        """The most significant digits that a cell of these columns has, of 20000 rows where there are more."""
+        most = 0
         for cells in self._sample():
-            for at, column in enumerate(columns):
-                if column < len(cells):
-                    mantissa = re.split("[eE]", cells[column].lstrip("+-"), 1)[0]
-                    most[at] = max(most[at], len(mantissa.replace(".", "").lstrip("0")))
+            for cell in (cells[column] for column in columns if column < len(cells)):
+                most = max(most, len(re.split("[eE]", cell.lstrip("+-"), 1)[0].replace(".", "").lstrip("0")))
         return most
 
     def _sample(self) -> Iterator[list[str]]:
         if self.rows <= _SAMPLED:
-            for k, (_, cells) in enumerate(self._lines()):
-                if k >= (self.rows if self._kept is None else int(self._kept[-1]) + 1):
-                    return
-                yield cells
+            last = self.rows if self._kept is None else int(self._kept[-1]) + 1
+            yield from (cells for _, (_, cells) in zip(range(last), self._lines()))
             return
         text, begin = self._begin.text, self._begin.at
         for k in range(_SAMPLED):
             start = text.find(b"\n", begin + (len(text) - begin) * k // _SAMPLED) + 1
-            cells = self._cells(text[start:text.find(b"\n", start)].decode(errors="replace"))
+            cells = self.cells(text[start:text.find(b"\n", start)].decode(errors="replace"))
             if len(cells) == len(self.names):
                 yield cells
 
 
-def place_of(digits: int, largest: float) -> float:
-    """The spacing of numbers of so many digits and absolute values up to `largest`."""
-    return math.pow(10, math.floor(math.log10(largest)) + 1 - min(digits, 17)) if largest > 0 else 0.0
+def _is_word(cell: object) -> bool:
+    return isinstance(cell, str) and math.isnan(number(cell.strip()))

@@ -1,24 +1,23 @@
-"""The state of an import: grains, contacts and cell, in the packing's units from scale_grains on."""
+"""The state of an import: grains, contacts and cell, in the packing's units once the grains are gathered."""
 from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from .._core import Floats, Integers
-from .._packing import CONTACT, Packing
+from .._packing import CONTACT
 from .._records import Material
-from .options import NAN, SIDES, Column, Options, Roles
-from .sheet import Sheet
-
-PI = 3.14159265358979323846
+from .options import NAN, Column, Options, Roles
+from .sheet import Mask, Sheet
 
 
 def sphere_mass(r: Floats) -> Floats:
     """Of unit density."""
-    mass: Floats = 4.0 / 3.0 * PI * r * r * r
-    return mass
+    return np.multiply(4.0 / 3.0 * math.pi * r * r, r)
 
 
 def running_sum(values: Floats) -> float:
@@ -28,12 +27,13 @@ def running_sum(values: Floats) -> float:
 
 def length(v: Floats) -> Floats:
     """Lengths of the rows."""
-    out: Floats = np.sqrt(v[:, 0] * v[:, 0] + v[:, 1] * v[:, 1] + v[:, 2] * v[:, 2])
-    return out
+    return np.sqrt(dot(v, v))
 
 
 def dot(a: Floats, b: Floats) -> Floats:
-    out: Floats = a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2]
+    """Products of the rows."""
+    x, y, z = (a * b).T
+    out: Floats = x + y + z
     return out
 
 
@@ -42,46 +42,70 @@ def modulus(m: Material) -> float:
     return m.young / (1 - m.poisson * m.poisson)
 
 
+# ---- contacts -------------------------------------------------------------------------------------------------------
+
 class Links:
-    """Contacts as columns; numbers that are not known are NaN. j may be a wall; row -1: found by its overlap."""
+    """Contacts as columns. j may be a wall, row is that of the sheet (-1: found by its overlap), depth is the overlap
+    that the positions give; numbers that are not known are NaN."""
 
-    _FIELDS = {"i": "i8", "j": "i8", "row": "i8", "depth": "f8", "overlap": "f8", "fn": "f8", "kn": "f8", "kt": "f8"}
+    i: Integers
+    j: Integers
+    row: Integers
+    depth: Floats
+    n: Floats
+    overlap: Floats
+    fn: Floats
+    ft: Floats
+    kn: Floats
+    kt: Floats
 
-    def __init__(self, count: int = 0) -> None:
-        self.i: Integers = np.zeros(count, np.int64)
-        self.j: Integers = np.zeros(count, np.int64)
-        self.row: Integers = np.full(count, -1, np.int64)
-        self.depth, self.overlap, self.fn, self.kn, self.kt = (np.full(count, NAN) for _ in range(5))
-        self.n: Floats = np.zeros((count, 3))
-        self.ft: Floats = np.full((count, 3), NAN)
+    def __init__(self, columns: dict[str, Any]) -> None:
+        vars(self).update(columns)
 
     def __len__(self) -> int:
         return len(self.i)
 
-    def take(self, which: np.ndarray) -> Links:  # type: ignore[type-arg]
+    def __getitem__(self, which: Any) -> Links:
         """Those of a mask or of indices."""
-        out = Links()
-        for name in (*self._FIELDS, "n", "ft"):
-            setattr(out, name, getattr(self, name)[which])
-        return out
+        return Links({name: column[which] for name, column in vars(self).items()})
 
-    def __add__(self, other: Links) -> Links:
-        out = Links()
-        for name in (*self._FIELDS, "n", "ft"):
-            setattr(out, name, np.concatenate([getattr(self, name), getattr(other, name)]))
-        return out
 
-    def known_overlap(self) -> Floats:
-        """The overlap that the file gives, or that the positions give."""
-        return np.where(np.isnan(self.overlap), self.depth, self.overlap)
+def links_of(i: npt.ArrayLike, j: npt.ArrayLike) -> Links:
+    """Contacts of which only the partners are known."""
+    count = len(np.asarray(i))
+    columns: dict[str, Any] = {name: np.full(count, NAN) for name in ("depth", "overlap", "fn", "kn", "kt")}
+    return Links({"i": np.array(i, np.int64), "j": np.array(j, np.int64), "row": np.full(count, -1), **columns,
+                  "n": np.zeros((count, 3)), "ft": np.full((count, 3), NAN)})
 
-    def table(self) -> np.ndarray:  # type: ignore[type-arg]
-        """As the packing has them."""
-        out = np.zeros(len(self), CONTACT)
-        for name in ("i", "j", "n", "overlap", "fn", "ft", "kn", "kt"):
-            out[name] = getattr(self, name)
-        return out
 
+def joined(a: Links, b: Links) -> Links:
+    """Contacts one behind the other."""
+    return Links({name: np.concatenate([column, getattr(b, name)]) for name, column in vars(a).items()})
+
+
+def known_overlap(links: Links) -> Floats:
+    """The overlap that the file gives, or that the positions give."""
+    return np.where(np.isnan(links.overlap), links.depth, links.overlap)
+
+
+def contact_table(links: Links) -> npt.NDArray[Any]:
+    """Contacts as the packing has them."""
+    out = np.zeros(len(links), CONTACT)
+    for name in ("i", "j", "n", "overlap", "fn", "ft", "kn", "kt"):
+        out[name] = getattr(links, name)
+    return out
+
+
+def sum_over(i: Integers, j: Integers, n: int, values: Floats, sign: float = -1.0) -> Floats:
+    """Sums of values [contacts][k] over the contacts i, j of each of n grains, on j times `sign`. They are taken
+    contact by contact: the same bits everywhere."""
+    ends = np.stack([i, j], axis=1).ravel()
+    grains = ends >= 0
+    signs = np.tile([1.0, sign], len(i))[grains]
+    return np.stack([np.bincount(ends[grains], signs * np.repeat(column, 2)[grains], n) for column in values.T], axis=1)
+
+
+# ---- what is known --------------------------------------------------------------------------------------------------
 
 @dataclasses.dataclass
 class Report:
@@ -105,8 +129,7 @@ class Report:
         within = abs(self.hertz - 1) + self.hertz * self.hertz_spread
         hertz = f"; normal forces follow Hertz's law within {within:.1e}" if math.isfinite(self.hertz) else ""
         first = (f"{path}: {self.form}, {self.grains} grains, {self.contacts} contacts, {self.wall_contacts} of them "
-                 f"with "
-                 f"walls; largest net force {self.balance:.2g} of the mean{hertz}")
+                 f"with walls; largest net force {self.balance:.2g} of the mean{hertz}")
         many = self.left_out > 1
         text = f"{self.left_out} grain{'s' * many} of other types {'are' if many else 'is'} left out"
         return [first, *([text] if self.left_out else []), *self.notes[:16]]
@@ -115,12 +138,11 @@ class Report:
 class Work:
     """What is known so far. axis[a] of the file is axis a of the packing, the last of which is up."""
 
-    def __init__(self, path: str, options: Options, form: str, grains: Sheet, contacts: Sheet | None,
-                 walls: Sheet | None) -> None:
+    def __init__(self, path: str, options: Options, form: str,
+                 sheets: tuple[Sheet, Sheet | None, Sheet | None]) -> None:
         self.path, self.o, self.form = path, options, form
-        self.grains, self.contacts, self.walls = grains, contacts, walls
-        self.roles = Roles(options.columns)
-        self.report = Report(form)
+        self.grains, self.contacts, self.walls = sheets
+        self.roles, self.report = Roles(options.columns), Report(form)
         self.material: Material | None = options.material
         self.dim, self.axis = 0, [0, 1, 2]
         self.row: Integers = np.zeros(0, np.int64)  # of the sheet
@@ -129,8 +151,8 @@ class Work:
         self.r: Floats = np.zeros(0)
         self.mass: Floats | None = None
         self.inertia: Floats | None = None
-        self.boundary: np.ndarray = np.zeros(0, bool)  # type: ignore[type-arg]
-        self.links = Links()
+        self.boundary: Mask = np.zeros(0, bool)
+        self.links = links_of([], [])
         self.cell = "piston"
         self.low, self.edge, self.tilt = [0.0] * 3, [0.0] * 3, [0.0] * 3
         self.periodic, self.open = [False] * 3, [False] * 3  # open: wider than all grains, for the file has no period
@@ -138,29 +160,31 @@ class Work:
         self.has_wall = [False] * 6  # whether the positions of bottom, top, left, ... are known
         self.gravity, self.scale, self.force, self.stiffness = 0.0, 1.0, 1.0, 1.0
         self.place, self.force_place, self.mass_place = 0.0, NAN, 0.0
-        self.has_forces = self.has_ft = self.springs = False
+        self.has_forces = self.has_ft = False
         self.wall, self.friction, self.poisson = "rigid", NAN, NAN
 
     @property
     def n(self) -> int:
+        """Number of grains."""
         return len(self.r)
 
     @property
     def up(self) -> int:
+        """The axis between the walls."""
         return self.dim - 1
 
     def note(self, text: str) -> None:
+        """Something that the user should know."""
         self.report.notes.append(text)
 
     def pressure_text(self, pressure: float) -> str:
-        if self.material is None:
-            return f"{pressure:.6g}"
-        return f"{pressure:.6g} E* ({1e-3 * pressure * modulus(self.material):.6g} kPa)"
+        """A pressure, in kPa too where the material is known."""
+        si = "" if self.material is None else f" E* ({1e-3 * pressure * modulus(self.material):.6g} kPa)"
+        return f"{pressure:.6g}{si}"
 
     def length_text(self, value: float) -> str:
-        if self.material is None:
-            return f"{value:.6g}"
-        return f"{value:.6g} d ({1e3 * value * self.material.diameter:.6g} mm)"
+        """A length, in mm too where the material is known."""
+        return f"{value:.6g}" + ("" if self.material is None else f" d ({1e3 * value * self.material.diameter:.6g} mm)")
 
     # ---- columns ----------------------------------------------------------------------------------------------------
 
@@ -198,11 +222,8 @@ class Work:
             return False
         return wall >= -2 or (self.cell == "box" and self.axis_of(wall) < self.up)
 
-    def wall_given(self, wall: int) -> float:
-        """The place that an option gives to a wall, in units of the file; NaN: none."""
-        return self.o.number(SIDES[-1 - wall])
-
     def size_key(self, axis: int) -> str:
+        """The key of the edge along an axis."""
         return "height" if axis == self.up else "width" if axis == 0 else "depth"
 
     def name_of(self, axis: int) -> str:
@@ -212,16 +233,10 @@ class Work:
     def separation(self, i: Integers, j: Integers) -> Floats:
         """Vectors from grains i to the nearest images of grains j."""
         d: Floats = self.x[j] - self.x[i]
+        lattice = self.lattice()
         for a in reversed(range(self.dim)):
-            if not self.periodic[a]:
-                continue
-            periods = np.rint(d[:, a] / self.edge[a])
-            d[:, a] -= self.edge[a] * periods
-            if a == 1:
-                d[:, 0] -= self.tilt[0] * periods
-            if a == 2:
-                d[:, 0] -= self.tilt[1] * periods
-                d[:, 1] -= self.tilt[2] * periods
+            if self.periodic[a]:
+                d -= np.rint(d[:, a] / self.edge[a])[:, None] * lattice[a]
         return d
 
     def place_links(self, links: Links) -> None:
@@ -229,8 +244,7 @@ class Work:
         pairs = links.j >= 0
         d = self.separation(links.i[pairs], links.j[pairs])
         apart = length(d)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            links.n[pairs] = np.where(apart[:, None] > 0, d / apart[:, None], 0)
+        links.n[pairs] = np.where(apart[:, None] > 0, d / apart[:, None], 0)
         links.depth[pairs] = self.r[links.i[pairs]] + self.r[links.j[pairs]] - apart
         for side in range(6):
             here = links.j == -1 - side
@@ -242,20 +256,22 @@ class Work:
             place = self.x[i, axis]
             links.depth[here] = self.r[i] - (self.edge[axis] - place if far else place) if self.has_wall[side] else NAN
 
-    def goes_across(self, i: Integers, j: Integers) -> np.ndarray:  # type: ignore[type-arg]
+    def goes_across(self, links: Links) -> Mask:
         """Whether contacts lead through the face at which the box is cut."""
-        # type: ignore[type-arg]
-        far: np.ndarray = np.abs(self.x[j, self.up] - self.x[i, self.up]) > 0.5 * self.edge[self.up]
-        return far & (j >= 0) & self.cut
+        far: Mask = np.abs(self.x[links.j, self.up] - self.x[links.i, self.up]) > 0.5 * self.edge[self.up]
+        return far & (links.j >= 0) & self.cut
 
+    def fractions(self, x: Floats) -> Floats:
+        """Coordinates of points in multiples of the lattice vectors: 0 .. 1 within the cell."""
+        e, (xy, xz, yz), s = self.edge, self.tilt, np.zeros_like(x)
+        if self.dim == 3:
+            s[:, 2] = x[:, 2] / e[2]
+        if self.dim >= 2:
+            s[:, 1] = (x[:, 1] - yz * s[:, 2]) / e[1]
+        s[:, 0] = (x[:, 0] - xy * s[:, 1] - xz * s[:, 2]) / e[0]
+        return s
 
-def fractions(w: Work, x: Floats) -> list[Floats]:
-    """Coordinates of points in multiples of the lattice vectors: 0 .. 1 within the cell."""
-    e, (xy, xz, yz) = w.edge, w.tilt
-    s2 = x[:, 2] / e[2] if w.dim == 3 else np.zeros(len(x))
-    s1 = (x[:, 1] - yz * s2) / e[1] if w.dim >= 2 else np.zeros(len(x))
-    return [(x[:, 0] - xy * s1 - xz * s2) / e[0], s1, s2]
-
-
-#: the packing that is made, and what there is to say about it
-Made = tuple[Packing, Report]
+    def lattice(self) -> Floats:
+        """The lattice vectors of the cell."""
+        (xy, xz, yz), (a, b, c) = self.tilt, self.edge
+        return np.array([[a, 0, 0], [xy, b, 0], [xz, yz, c]])

@@ -2,38 +2,33 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 
-from ._faults import bad_file, bad_option
 from .export import Export, number_text, rows_of
-from .lammps import said_in
-from .sheet import Cursor, Sheet, numbers, shown, text_of
+from .lammps import count_of, said_in
+from .sheet import Cursor, Frame, Sheet, numbers, text_of
+
+
+def _frames(at: Cursor) -> Iterator[Frame]:
+    number = 0
+    while (line := at.words()) is not None:
+        rows = count_of(at, line, "the number of atoms of a frame")
+        head = at.next()
+        if head is None:
+            at.fail("the file ends before the line of Lattice= and Properties=")
+        yield Frame(number, rows, at.copy(), head)
+        number += 1
+        at.skip(rows)
 
 
 def read(path: str, frame: int | None = None) -> Sheet:
     """The frame of a number from 0, or the last."""
-    at = Cursor(path, text_of(path))
-    frames, chosen = 0, None
-    while (line := at.words()) is not None:
-        count = numbers(line, 1)
-        if not count or not 1 <= count[0] < 1e9:
-            at.fail(f"{shown(line)}; must be the number of atoms of a frame")
-        if frame is None or frame == frames:
-            chosen = frames, int(count[0]), at.copy()
-        frames += 1
-        at.skip(int(count[0]) + 1)
-    if chosen is None:
-        text = f"{path}: no frame {frame or 0}; it has {frames}, from 0"
-        raise bad_option(text) if frames else bad_file(text)
-    number, rows, start = chosen
-    head = start.next()
-    if head is None:
-        start.fail("the file ends before the line of Lattice= and Properties=")
     sheet = Sheet(path, [])
-    sheet.said = said_in(head)
-    _read_lattice(sheet, start)
-    _read_properties(sheet, start)
-    sheet.frames, sheet.frame = frames, number
-    return sheet.read(start, rows, "atoms")
+    chosen = sheet.pick(_frames(Cursor(path, text_of(path))), frame)
+    sheet.said = said_in(chosen.head)
+    _read_lattice(sheet, chosen.at)
+    _read_properties(sheet, chosen.at)
+    return sheet.read(chosen.at, chosen.rows)
 
 
 def _read_lattice(sheet: Sheet, at: Cursor) -> None:
@@ -66,11 +61,6 @@ def _read_properties(sheet: Sheet, at: Cursor) -> None:
             sheet.names += [name] if many == 1 else [f"{name}_{k + 1}" for k in range(many)]
 
 
-def frame_count(path: str) -> int:
-    """How many frames a file has."""
-    return read(path).frames
-
-
 def write(e: Export) -> bytes:
     """One frame. The lattice has three vectors in any dimension; an axis that the packing has not is 1 long and not
     periodic."""
@@ -78,14 +68,10 @@ def write(e: Export) -> bytes:
     (xy, xz, yz), edge = e.tilt, e.box
     lattice = [n(edge[0]), "0", "0", n(xy), n(edge[1]), "0", n(xz), n(yz), n(edge[2])]
     pbc = " ".join("T" if a < p.dim and e.periodic(a) else "F" for a in range(3))
-    more = (":displacement:R:3" if e.displacement is not None else "") + (":rotation:R:3" if e.rotation is not None
-                                                                          else "")
-    head = (f'{p.n}\nLattice="{" ".join(lattice)}" pbc="{pbc}" '
-            f'Properties=species:S:1:pos:R:3:id:I:1:radius:R:1:mass:R:1:'
-            f"forces:R:3:contacts:I:1:rattler:I:1{more} dimension={p.dim} pressure={n(e.pressure)} "
-            f"friction={n(p.friction)} "
-            f"poisson={n(p.poisson)}")
-    if e.special:
-        head += f" cell={p.cell} gravity={n(e.gravity)}"
+    more = ":displacement:R:3" * (e.displacement is not None) + ":rotation:R:3" * (e.rotation is not None)
+    special = f" cell={p.cell} gravity={n(e.gravity)}" if e.special else ""
+    head = (f'{p.n}\nLattice="{" ".join(lattice)}" pbc="{pbc}" Properties=species:S:1:pos:R:3:id:I:1:radius:R:1:'
+            f"mass:R:1:forces:R:3:contacts:I:1:rattler:I:1{more} dimension={p.dim} pressure={n(e.pressure)} "
+            f'friction={n(p.friction)} poisson={n(p.poisson)}{special} wall={p.wall} units="{e.units.all}"\n')
     columns = [*e.x.T, e.ids, e.r, e.mass, *e.net.T, e.contacts, e.rattler, *e.vectors("u", "r")[1]]
-    return (head + f' wall={p.wall} units="{e.units.all}"\n').encode() + rows_of(columns, first="X")  # ASE: no element
+    return head.encode() + rows_of(columns, first="X")  # ASE: no element

@@ -6,11 +6,11 @@ import difflib
 import importlib
 
 from .. import __version__
-from .._command import Parser, cores, note, usage, whole, write_table
+from .._command import Failed, Parser, cores, note, usage, whole, write_table
 from .._core import Interrupted
 from .._table import Table
-from . import published, report
-from .work import Stopped, Watch, Work
+from . import report
+from .work import Work, by_key
 
 #: papers, and the packages of their work
 PAPERS = {"somfai2005": "somfai", "blackmore2011": "blackmore"}
@@ -66,7 +66,7 @@ def parser() -> Parser:
 
 def chosen(paper: str, only: str | None) -> set[str]:
     """The items of --only; none for all."""
-    items = published.by_key(PAPERS[paper], "items", "name")
+    items = by_key(PAPERS[paper], "items", "name")
     names = only.split(",") if only is not None else []
     for name in names:
         if name not in items:
@@ -102,42 +102,36 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _reproduce(arguments: argparse.Namespace, wanted: set[str]) -> Table:
     """The table of the rows, and the report if there is a folder for it."""
-    from . import page
-
     column = arguments.paper == "blackmore2011"
     if arguments.output is not None:
-        page.take_folder(arguments.output, arguments.force)
+        report.take_folder(arguments.output, arguments.force)
     for name in ("jobs", "samples", "protocol") if column else ():
         if getattr(arguments, name) is not None:
             note(arguments, f"--{name} has no effect: blackmore2011 needs no packings")
-    work, paper = _work(arguments, wanted)
+    work, room = _work(arguments, wanted), f"sonopack.papers.{PAPERS[arguments.paper]}"
     if work.folder:
-        page.begin(work.folder)
+        report.begin(work.folder)
     try:
-        importlib.import_module(f"sonopack.papers.{PAPERS[arguments.paper]}").make(work)
-    except (Stopped, Interrupted):
+        importlib.import_module(room).make(work)
+    except (KeyboardInterrupt, Interrupted):
+        raise Failed("stopped, and nothing was saved" if column else f"stopped: all finished samples are in "
+                     f"{arguments.store}, and the same command continues") from None
+    finally:
         work.watch.clear()
-        raise Stopped("stopped, and nothing was saved" if column else
-                      f"stopped: all finished samples are in {arguments.store}, and the same command "
-                      "continues") from None
-    work.watch.clear()
-    table: Table = paper.table(work)
+    paper = importlib.import_module(f"{room}.rows")
+    table: Table = paper.table(work, work.rows)
     if work.folder:
         report.write(paper, work)
     _notes(arguments, work)
     return table
 
 
-def _work(arguments: argparse.Namespace, wanted: set[str]) -> tuple[Work, report.Paper]:
-    words = (wanted, Watch(arguments), arguments.output or "", arguments.figures)
+def _work(arguments: argparse.Namespace, wanted: set[str]) -> Work:
     if arguments.paper == "blackmore2011":
-        from .blackmore.rows import Report as Column
-
-        return Work("blackmore", "reproduce blackmore2011", *words), Column()
-    from .somfai.rows import Report as Packings
+        return Work("blackmore", "reproduce blackmore2011", wanted, arguments)
     from .somfai.samples import SomfaiWork
 
-    return SomfaiWork(arguments, *words), Packings()
+    return SomfaiWork(arguments, wanted)
 
 
 def _notes(arguments: argparse.Namespace, work: Work) -> None:

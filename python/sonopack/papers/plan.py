@@ -11,8 +11,8 @@ from .._core import call, text_of
 from .._native import ffi, lib
 from .._study import Store
 from .._table import Table
-from . import published
 from .somfai.samples import SAMPLES, needs, scene
+from .work import by_key
 
 PROGRAM = 15e6  # bytes of a command that does next to nothing
 KERNELS = ("step", "product", "dense", "sparse")
@@ -67,7 +67,7 @@ def table(arguments: argparse.Namespace, wanted: set[str]) -> Table:
     """What `sonopack reproduce` would make."""
     packings = arguments.paper == "somfai2005"
     plan = Plan(arguments, ("step", "product", "sparse") if packings else ("step",))
-    items = published.by_key("somfai" if packings else "blackmore", "items", "name")
+    items = by_key("somfai" if packings else "blackmore", "items", "name")
     chosen, drawn = [name for name in items if not wanted or name in wanted], arguments.output is not None
     if packings:
         _ensembles(plan, arguments, chosen, drawn)
@@ -84,7 +84,7 @@ def _ensembles(plan: Plan, arguments: argparse.Namespace, items: list[str], draw
         for ensemble, parts in needs(item, drawn).items():
             want.setdefault(ensemble, set()).update(parts)
     names: list[str] = []
-    for key, row in published.by_key("somfai", "ensembles").items():
+    for key, row in by_key("somfai", "ensembles").items():
         if key in want:
             names.append(row["name"])
             same = names.count(row["name"])

@@ -7,14 +7,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from .._core import Floats
 from .._table import Table
-from ..plot._frame import GREY, Obstacles, dash, ink, inset, legend, panels, save, styled
-
-__all__ = ["Curve", "Panel", "Sheet", "save"]
 
 Limits = tuple[float | None, float | None]
 
@@ -52,19 +47,17 @@ class Curve:
     open: bool = False
     width: float = 1.0
 
-    def draw(self, ax: Axes) -> Any:
+    def draw(self, ax: Any) -> Any:
         """Draws it, and returns what the legend shows."""
+        from ..plot._frame import GREY, dash, ink, points
+
         colour = GREY if self.ink < 0 else ink(self.ink)
         look: dict[str, Any] = {"color": colour, "lw": self.width,
                                 "ls": "none" if self.dash is None else dash(self.dash),
                                 "marker": self.mark or None, "label": formula(self.label) or None}
-        if self.open:
-            look["mfc"] = "white"
         if self.lower is not None and self.upper is not None:
             ax.fill_between(self.x, self.lower, self.upper, color=colour, alpha=0.25, lw=0)
-        if self.error is not None and np.isfinite(self.error).any():
-            return ax.errorbar(self.x, self.y, np.where(np.isfinite(self.error), self.error, 0), elinewidth=0.7, **look)
-        return ax.plot(self.x, self.y, **look)[0]
+        return points(ax, self.x, self.y, self.error, hollow=self.open, **look)
 
     def points(self) -> list[Floats]:
         """x, y, error, lower and upper of each point."""
@@ -75,8 +68,7 @@ class Curve:
 
 @dataclasses.dataclass
 class Panel:
-    """Axes with curves. log: "x", "y" or "xy". zero: a thin line at y = 0. room: width and height of an inset, as parts
-    of the panel around it."""
+    """Axes with curves. log: "x", "y" or "xy". zero: a thin line at y = 0."""
 
     curves: list[Curve]
     xlabel: str
@@ -87,10 +79,11 @@ class Panel:
     y: Limits = (None, None)
     zero: bool = False
     inset: Panel | None = None
-    room: tuple[float, float] = (0.46, 0.46)
 
-    def draw(self, ax: Axes) -> list[Any]:
+    def draw(self, ax: Any) -> list[Any]:
         """Draws it, and returns the entries of its legend in the order of the curves."""
+        from ..plot._frame import inset
+
         if "x" in self.log:
             ax.set_xscale("log")
         if "y" in self.log:
@@ -98,14 +91,9 @@ class Panel:
         drawn = [curve.draw(ax) for curve in self.curves]
         if self.zero:
             ax.axhline(0, color="black", lw=0.4, zorder=0)
-        ax.set_xlabel(formula(self.xlabel))
-        ax.set_ylabel(formula(self.ylabel))
-        ax.set_xlim(*self.x)
-        ax.set_ylim(*self.y)
+        ax.set(xlabel=formula(self.xlabel), ylabel=formula(self.ylabel), xlim=self.x, ylim=self.y)
         if self.inset is not None:
-            self.inset.draw(inset(ax, *self.room))
-        if self.y[1] is not None:
-            ax._sonopack_limits = (None, self.y)  # the legend leaves limits that are given
+            self.inset.draw(inset(ax))
         return [each for each, curve in zip(drawn, self.curves) if curve.label]
 
     def rows(self, name: str) -> tuple[list[tuple[str, int, str]], list[list[Floats]]]:
@@ -120,8 +108,10 @@ class Panel:
         return words, numbers
 
 
-def _tag(ax: Axes, text: str) -> None:
+def _tag(ax: Any, text: str) -> None:
     """The tag of a panel in a corner where it hides nothing, else in the upper left one."""
+    from ..plot._frame import Obstacles
+
     corners = ((0.02, 0.97, "left"), (0.98, 0.97, "right"), (0.02, 0.03, "left"), (0.98, 0.03, "right"),
                (0.02, 0.97, "left"))
     ax.figure.draw_without_rendering()
@@ -144,19 +134,21 @@ class Sheet:
     aspect: float = 0.75
     width: float | None = None
 
-    def draw(self) -> Figure:
-        """The figure of all panels."""
-        figure: Figure = self._axes()[0].figure
-        return figure
+    def draw(self) -> Any:
+        """The Axes of all panels."""
+        from ..plot._frame import styled
 
-    @styled
+        return styled(self._axes)()
+
     def _axes(self) -> Any:
+        from ..plot._frame import legend, panels
+
         axes = panels(len(self.panels) // self.columns, self.columns, aspect=self.aspect, width=self.width).ravel()
         for ax, panel in zip(axes, self.panels):
             entries = panel.draw(ax)
             if panel.tag:
                 _tag(ax, formula(panel.tag))
-            legend(ax, entries)
+            legend(ax, entries, fixed=panel.y[1] is not None)
         return axes
 
     def table(self) -> Table:

@@ -1,29 +1,55 @@
-"""The work on a paper: its items, what they have to say, their files, and how it is stopped."""
+"""The work on a paper: the published values, the items, what they have to say, their files, and progress."""
 from __future__ import annotations
 
 import argparse
+import csv
 import dataclasses
+import functools
 import math
 import os
+import pathlib
 import re
 import signal
 import sys
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import __version__
-from .._command import Failed, note
+from .. import __version__, plot
+from .._command import note
 from .._table import Table
-from . import published
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from .sheet import Sheet
 
+Published = dict[str, str]
+Tell = Callable[[float], None]  # tells which part of an item is done
+
+
+# ---- published values -----------------------------------------------------------------------------------------------
+
+@functools.cache
+def published(paper: str, name: str) -> tuple[Published, ...]:
+    """Rows of PAPER/NAME.tsv: a header, then cells between tabs. Lines that begin with '#' are comments."""
+    with open(pathlib.Path(__file__).with_name(paper) / f"{name}.tsv", encoding="utf-8") as file:
+        lines = [line for line in file if not line.startswith("#")]
+    return tuple(csv.DictReader(lines, delimiter="\t", quoting=csv.QUOTE_NONE))
+
+
+@functools.cache
+def by_key(paper: str, name: str, key: str = "key") -> dict[str, Published]:
+    """The same rows by one of their cells."""
+    return {row[key]: row for row in published(paper, name)}
+
+
+def number(cell: str) -> float:
+    """The number of a cell; NAN of an empty one."""
+    return float(cell) if cell else math.nan
+
+
+# ---- items ----------------------------------------------------------------------------------------------------------
 
 @dataclasses.dataclass
 class Section:
@@ -37,9 +63,10 @@ class Work:
     """The work on the items of one paper that are asked for. folder: of the report, its figures and tables; "" for
     none. figures: their format."""
 
-    def __init__(self, paper: str, signature: str, wanted: set[str], watch: Watch, folder: str, figures: str) -> None:
-        self.items = published.by_key(paper, "items", "name")
-        self.signature, self.watch, self.folder, self.figures = signature, watch, folder, figures
+    def __init__(self, paper: str, signature: str, wanted: set[str], arguments: argparse.Namespace) -> None:
+        self.items = by_key(paper, "items", "name")
+        self.signature, self.watch, self.threads = signature, Watch(arguments), arguments.threads
+        self.folder, self.figures = arguments.output or "", arguments.figures
         self.wanted = [name for name in self.items if not wanted or name in wanted]
         self.sections = {name: Section() for name in self.items}
         self.rows: list[Any] = []
@@ -57,18 +84,23 @@ class Work:
             table.add_comment(f"sonopack {__version__}, {self.signature}")
             table.save(self.path(name, "tsv"))
 
-    def draw(self, item: str, name: str, caption: str, figure: Figure) -> None:
-        """Writes a figure as NAME.(svg, png or pdf)."""
-        from .sheet import save
-
-        save(figure, self.path(name, self.figures))
-        self.sections[item].figures.append((f"{name}.{self.figures}", caption))
-
-    def draw_sheet(self, item: str, name: str, caption: str, sheet: Sheet) -> None:
-        """Draws curves, with their numbers in NAME.tsv, if there is a folder."""
+    def draw(self, item: str, name: str, caption: str, kind: str, *data: Any, **words: Any) -> None:
+        """Draws a kind of figure of sonopack.plot as NAME.(svg, png or pdf), if there is a folder."""
         if self.folder:
-            self.draw(item, name, caption, sheet.draw())
-            self.save_table(name, sheet.table())
+            self._save(item, name, caption, getattr(plot, kind)(*data, **words))
+
+    def draw_sheet(self, item: str, name: str, caption: str, sheet: Sheet, table: Table | None = None) -> None:
+        """Draws curves, with their numbers in NAME.tsv, if there is a folder. table: these numbers."""
+        if self.folder:
+            self._save(item, name, caption, sheet.draw())
+            self.save_table(name, sheet.table() if table is None else table)
+
+    def _save(self, item: str, name: str, caption: str, axes: Any) -> None:
+        from ..plot._frame import figure_of, forget
+
+        plot.save(figure_of(axes), self.path(name, self.figures))
+        forget(figure_of(axes))
+        self.sections[item].figures.append((f"{name}.{self.figures}", caption))
 
 
 # ---- numbers --------------------------------------------------------------------------------------------------------
@@ -83,80 +115,39 @@ def total(values: Iterable[float]) -> float:
 
 def hypot(*values: float) -> float:
     """The length of a vector, by hypot of the C library from the left."""
-    out = float(values[0])
-    for value in values[1:]:
-        out = float(np.hypot(out, value))
-    return out
-
-
-def largest(values: Iterable[float]) -> float:
-    """The largest value, at least 0; those that are not numbers do not count."""
-    return max((value for value in values if not math.isnan(value)), default=0.0) if values else 0.0
-
-
-def ratio(a: float, b: float) -> float:
-    """a/b as the C library has it: infinite or NAN for b = 0."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return float(np.float64(a) / np.float64(b))
-
-
-def log(x: float) -> float:
-    """The natural logarithm; NAN where there is none."""
-    return math.log(x) if x > 0 else -math.inf if x == 0 else math.nan
-
-
-def root(x: float) -> float:
-    """The square root; NAN of a negative number."""
-    return math.sqrt(x) if x >= 0 else math.nan
+    return float(functools.reduce(np.hypot, values))
 
 
 # ---- progress and stopping ------------------------------------------------------------------------------------------
 
-class Stopped(Failed):
-    """Stopped by a signal."""
-
-
 class Watch:
-    """Progress on stderr: a line on a terminal, elsewhere a line for each step. Makes Ctrl-C and its like wait for the
-    next look at `stop`; a second signal ends the process at once."""
+    """Progress on stderr: a line on a terminal, elsewhere a line for each step. Ctrl-C, SIGTERM and their like raise
+    KeyboardInterrupt; a second one ends the process at once."""
 
     SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU)
 
     def __init__(self, arguments: argparse.Namespace) -> None:
-        self.arguments = arguments
-        self.stop = False
-        self.begun = time.monotonic()
+        self.arguments, self.begun = arguments, time.monotonic()
         self._step, self._shown, self._at = "", False, 0.0
-        for number in self.SIGNALS:
-            if signal.getsignal(number) is not signal.SIG_IGN:
-                signal.signal(number, self._on_signal)
+        for each in self.SIGNALS:
+            if signal.getsignal(each) is not signal.SIG_IGN:
+                signal.signal(each, self._stop)
 
-    def _on_signal(self, number: int, _: Any) -> None:
-        self.stop = True
+    def _stop(self, number: int, _: Any) -> None:
         signal.signal(number, signal.SIG_DFL)
         self.clear()
         note(self.arguments, "stopping; a second signal ends the command at once")
+        raise KeyboardInterrupt
 
     @property
     def seconds(self) -> float:
         return time.monotonic() - self.begun
 
     def tell(self, step: str, fraction: float, more: str = "") -> None:
-        """Shows the step that is under way, and the share of all work that is done. Raises Stopped after a signal."""
-        if not self.arguments.quiet:
-            self._show(step, min(1.0, max(0.0, fraction)), more)
-        if self.stop:
-            raise Stopped("stopped")
-
-    def goes_on(self, step: str, fraction: float, more: str = "") -> bool:
-        """The same for the library, which stops where it is told False."""
-        try:
-            self.tell(step, fraction, more)
-        except Stopped:
-            return False
-        return True
-
-    def _show(self, step: str, fraction: float, more: str) -> None:
+        """Shows the step that is under way, and the share of all work that is done."""
+        fraction = min(1.0, max(0.0, fraction))
+        if self.arguments.quiet:
+            return
         if not sys.stderr.isatty():
             if step != self._step:
                 note(self.arguments, f"{step}, {100 * fraction:.0f}% done")

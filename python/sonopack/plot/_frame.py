@@ -3,14 +3,14 @@ every run."""
 from __future__ import annotations
 
 import contextlib
-import dataclasses
 import functools
+import inspect
 import io
 import os
 import pathlib
 import sys
 import textwrap
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any, TypeVar
 
 import matplotlib
@@ -22,12 +22,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 from matplotlib.transforms import Bbox
 
 from .._command import usage, whole_file
 from .._core import Floats, invalid
+from .._records import Material
+from ._inputs import inputs
 from ._units import number, plain
+from .kinds import KINDS
 
 #: the style of all figures: matplotlib.style.use(sonopack.plot.STYLE)
 STYLE = str(pathlib.Path(__file__).with_name("sonopack.mplstyle"))
@@ -47,10 +50,26 @@ def styled(draw: _F) -> _F:
     def with_style(*given: Any, **words: Any) -> Any:
         with matplotlib.style.context(STYLE):
             drawn = draw(*given, **words)
-            for ax in np.ravel(np.asarray(drawn, object)) if not isinstance(drawn, Iterator) else ():
+            for ax in [] if isinstance(drawn, Iterator) else list(np.ravel(np.asarray(drawn, object))):
                 label_decades(ax)
             return drawn
     return with_style  # type: ignore[return-value]
+
+
+def figure(draw: Callable[..., Any]) -> Callable[..., Any]:
+    """A kind of figure: the function gets the Inputs of its data in place of these, and is drawn with the style."""
+    own, named = inspect.signature(draw), KINDS[draw.__name__].labels
+
+    @functools.wraps(draw)
+    def with_inputs(*data: Any, labels: Sequence[str] | None = None, material: Material | None = None, **words: Any) -> Any:
+        if labels is not None and not named:
+            raise invalid("labels", f"a figure of {draw.__name__} has no legend of data")
+        return styled(draw)(inputs(data, labels, material), **words)
+    some = inspect.signature(with_inputs, follow_wrapped=False).parameters
+    words = [some[name] for name in ("data", "labels", "material") if named or name != "labels"]
+    with_inputs.__signature__ = own.replace(  # type: ignore[attr-defined]
+        parameters=[*words, *list(own.parameters.values())[1:]])
+    return with_inputs
 
 
 def label_decades(ax: Axes) -> None:
@@ -58,7 +77,8 @@ def label_decades(ax: Axes) -> None:
     for axis in (axis for one in (ax, *ax.child_axes) for axis in (one.xaxis, one.yaxis) if axis.get_scale() == "log"):
         low, high = sorted(axis.get_view_interval())
         if low > 0 and high / low < (60 if axis.axes is ax else 25):
-            axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+            narrow = axis.axes is not ax and high / low < 3  # an inset, where a LogLocator would crowd numbers
+            axis.set_major_locator(MaxNLocator(3) if narrow else LogLocator(subs=(1, 2, 5)))
             axis.set_major_formatter(FuncFormatter(lambda value, _: number(value)))
             axis.set_minor_formatter(FuncFormatter(lambda value, _: ""))
 
@@ -90,6 +110,14 @@ def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0
     return axes
 
 
+def column_of_panels(rows: int, ax: Any, aspect: float) -> Any:
+    """Axes [rows] one above the other, with their letters above the frames, where they hide no data."""
+    axes = panels(rows, 1, ax=ax, aspect=aspect)[:, 0]
+    for one, letter in zip(axes, "abcd" if rows > 1 else ""):
+        one.annotate(f"({letter})", (0, 1), (0, 3), "axes fraction", "offset points", fontsize=7, gid="letter")
+    return axes
+
+
 def ink(k: int) -> str:
     """Colour k of those that differ, black first."""
     return INKS[k % len(INKS)]
@@ -103,20 +131,18 @@ def mark(k: int) -> str:
     return MARKS[k % len(MARKS)]
 
 
-def points(ax: Axes, x: Floats, y: Floats, error: Floats | None = None, *, hollow: bool = False, **words: Any) -> None:
-    """Markers, with bars where errors are known. Bars that would end at or below 0 on a logarithmic axis reach its edge."""
-    words = {"ls": "none", "marker": "o", **words}
-    if hollow:
-        words["mfc"] = "white"
+def points(ax: Axes, x: Floats, y: Floats, error: Floats | None = None, *, hollow: bool = False, **words: Any) -> Any:
+    """Markers, with bars where errors are known, and the handle of a legend. Bars that would end at or below 0 on a
+    logarithmic axis reach its edge."""
+    words = {"ls": "none", "marker": "o", **({"mfc": "white"} if hollow else {}), **words}
     if error is None or not np.any(np.isfinite(error)):
-        ax.plot(x, y, **words)
-        return
-    ax.errorbar(x, y, yerr=np.where(np.isfinite(error), error, 0), elinewidth=0.7, **words)
+        return ax.plot(x, y, **words)[0]
+    return ax.errorbar(x, y, yerr=np.where(np.isfinite(error), error, 0), elinewidth=0.7, **words)
 
 
-def tag(ax: Axes, text: str) -> None:
-    """The letter of a panel, in its upper left corner."""
-    ax.text(0.02, 0.97, text, transform=ax.transAxes, va="top", ha="left", fontsize=8)
+def sets(k: int) -> dict[str, Any]:
+    """Mark and colour of the points of table k: with five tables the marks come again, hollow."""
+    return {"marker": mark(k % 4), "color": ink(k + 1), "hollow": k >= 4}
 
 
 # ---- legends --------------------------------------------------------------------------------------------------------
@@ -126,70 +152,65 @@ def key(**words: Any) -> Line2D:
     return Line2D([], [], **words)
 
 
-def legend(ax: Axes, handles: Iterable[Any] | None = None, **words: Any) -> Legend | None:
-    """The legend, where it hides no data: inside, with the y axis extended upwards for it, else above the frame, with
-    long labels on several lines. None without entries."""
-    entries = list(handles) if handles is not None else _entries(ax)
+def legend(ax: Axes, handles: Iterable[Any] | None = None, *, fixed: bool = False, **words: Any) -> Legend | None:
+    """The legend, where it hides no data: inside, with the y axis extended upwards for it (fixed: not so), else above the
+    frame, with long labels on several lines. None without entries."""
+    entries = list(handles) if handles is not None else ax.get_legend_handles_labels()[0]
     if not entries:
         return None
     ax._sonopack_legend = (entries, words)
-    return _place_legend(ax)
+    return _place_legend(ax, fixed)
 
 
-def _entries(ax: Axes) -> list[Any]:
-    handles, texts = ax.get_legend_handles_labels()
-    for handle, text in zip(handles, texts):
-        handle.set_label(text)
-    return handles
-
-
-def _place_legend(ax: Axes) -> Legend:
+def _place_legend(ax: Axes, fixed: bool) -> Legend:
     entries, words = ax._sonopack_legend
     with matplotlib.style.context(STYLE):
         ax.figure.draw_without_rendering()
-        frame = ax.get_window_extent()
-        return _inside(ax, entries, words, frame) or _above(ax, entries, words, frame.width)
+        return _inside(ax, entries, words, fixed) or _above(ax, entries, words)
 
 
-_PLACES = {"upper right": (1, 1), "upper left": (0, 1), "lower right": (1, 0), "lower left": (0, 0),
-           "center right": (1, 0.5), "center left": (0, 0.5), "upper center": (0.5, 1), "lower center": (0.5, 0)}
+_PLACES = {(1, 1): "upper right", (0, 1): "upper left", (1, 0): "lower right", (0, 0): "lower left",
+           (1, 0.5): "center right", (0, 0.5): "center left", (0.5, 1): "upper center", (0.5, 0): "lower center"}
 
 
-def _inside(ax: Axes, entries: list[Any], words: dict[str, Any], frame: Any) -> Legend | None:
-    """The legend where it hides no data, with the y axis grown by up to half; None if there is no such place. Limits that
-    were asked for stay as they are."""
-    limits, asked = ax.get_ylim(), getattr(ax, "_sonopack_limits", (None, None))[1] is not None
-    sizes = {}
+def _inside(ax: Axes, entries: list[Any], words: dict[str, Any], fixed: bool) -> Legend | None:
+    """The legend where it hides no data, with the y axis grown by up to half; None if there is no such place."""
+    sizes, frame = {}, ax.get_window_extent()
     for columns in (1, 2) if len(entries) > 3 else (1,):
-        sizes[columns] = _size(ax.legend(handles=entries, loc="upper right", **{"ncol": columns, **words}))
+        size = _size(ax.legend(handles=entries, loc="upper right", **{"ncol": columns, **words}))
+        if size[0] <= 0.97 * frame.width and size[1] <= 0.6 * frame.height:
+            sizes[columns] = size
     ax.get_legend().remove()
-    for grow in (0.0,) if asked else (0.0, 0.1, 0.2, 0.3, 0.4):
-        _raise_top(ax, limits, grow)
-        there = Obstacles(ax)
-        for columns, (width, height) in sizes.items():
-            if width > 0.97 * frame.width or height > 0.6 * frame.height:
-                continue
-            for place, (x, y) in _PLACES.items():
-                lies = Bbox.from_bounds(frame.x0 + x * (frame.width - width), frame.y0 + y * (frame.height - height), width,
-                                        height)
-                if there.leave(lies):
-                    box = ax.legend(handles=entries, loc=place, borderaxespad=0.1, **{"ncol": columns, **words})
-                    box.set_in_layout(False)
-                    return box
-    ax.set_ylim(limits)
-    return None
-
-
-def _raise_top(ax: Axes, limits: tuple[float, float], share: float) -> None:
-    """Raises the upper limit of y by a share of the axis."""
-    turn = ax.yaxis.get_transform()
-    a, b = turn.transform(np.array(limits))
-    ax.set_ylim(limits[0], float(turn.inverted().transform(b + share * (b - a))) if share else limits[1])
+    found = _free(ax, sizes, list(_PLACES), (0.0,) if fixed else (0.0, 0.1, 0.2, 0.3, 0.4))
+    if found is None:
+        return None
+    box = ax.legend(handles=entries, loc=_PLACES[found[1]], borderaxespad=0.1, **{"ncol": found[0], **words})
+    box.set_in_layout(False)
+    return box
 
 
 def _size(box: Legend) -> tuple[float, float]:
     extent = box.get_window_extent(box.figure.canvas.get_renderer())
     return extent.width, extent.height
+
+
+def _free(ax: Axes, sizes: dict[int, tuple[float, float]], places: Sequence[tuple[float, float]],
+          grows: Sequence[float]) -> tuple[int, tuple[float, float]] | None:
+    """The first of some sizes [pixels] and of some places (0 .. 1 of the room that is left) where a box hides no data,
+    with the y axis grown upwards by the least of some shares; None, and the old axis, if there is none."""
+    frame, (low, high) = ax.get_window_extent(), ax.get_ylim()
+    turn = ax.yaxis.get_transform()
+    a, b = turn.transform(np.array([low, high]))
+    for grow in grows:
+        ax.set_ylim(low, float(turn.inverted().transform(b + grow * (b - a))) if grow else high)
+        there = Obstacles(ax)
+        for name, (width, height) in sizes.items():
+            for x, y in places:
+                if there.leave(Bbox.from_bounds(frame.x0 + x * (frame.width - width),
+                                                frame.y0 + y * (frame.height - height), width, height)):
+                    return name, (x, y)
+    ax.set_ylim(low, high)
+    return None
 
 
 class Obstacles:
@@ -218,47 +239,40 @@ class Obstacles:
 def inset(ax: Axes, width: float = 0.46, height: float = 0.46) -> Axes:
     """Axes within others, of this share of them with its labels, where they hide no data; the y axis grows for them."""
     ax.figure.draw_without_rendering()
-    limits, frame = ax.get_ylim(), ax.get_window_extent()
-    for grow in (0.0, 0.15, 0.3, 0.45, 0.6):
-        _raise_top(ax, limits, grow)
-        there = Obstacles(ax)
-        for x, y in ((x, y) for y in np.linspace(0.02, 0.98 - height, 6) for x in np.linspace(0.02, 0.98 - width, 6)):
-            lies = Bbox.from_bounds(frame.x0 + x * frame.width, frame.y0 + y * frame.height, width * frame.width,
-                                    height * frame.height)
-            if there.leave(lies):
-                return _inner(ax, x, y, width, height)
-    return _inner(ax, 0.98 - width, 0.98 - height, width, height)
-
-
-def _inner(ax: Axes, x: float, y: float, width: float, height: float) -> Axes:
-    inner = ax.inset_axes([x + 0.14, y + 0.13, width - 0.16, height - 0.15])
+    frame, steps = ax.get_window_extent(), np.linspace(0, 1, 6)
+    places = [((0.02 + (0.96 - width) * x) / (1 - width), (0.02 + (0.96 - height) * y) / (1 - height))
+              for y in steps for x in steps]
+    found = _free(ax, {0: (width * frame.width, height * frame.height)}, places, (0.0, 0.15, 0.3, 0.45, 0.6))
+    x, y = found[1] if found else places[-1]
+    inner: Axes = ax.inset_axes([x * (1 - width) + 0.14, y * (1 - height) + 0.13, width - 0.16, height - 0.15])
     inner.tick_params(labelsize=5.5, which="both", length=2)
     inner.ticklabel_format(scilimits=(-1, 3))
-    inner.xaxis.label.set_fontsize(6)
-    inner.yaxis.label.set_fontsize(6)
-    inner.xaxis.labelpad = inner.yaxis.labelpad = 0.5
+    for axis in (inner.xaxis, inner.yaxis):
+        axis.label.set_fontsize(6)
+        axis.labelpad = 0.5
     return inner
 
 
-def _above(ax: Axes, entries: list[Any], words: dict[str, Any], room: float) -> Legend:
-    """Above the frame, in as many columns as fit, and the figure grows by it. room: the width of the frame [pixels]."""
+def _above(ax: Axes, entries: list[Any], words: dict[str, Any]) -> Legend:
+    """Above the frame, in as many columns as fit, and the figure grows by it."""
     words = {name: value for name, value in words.items() if name not in ("loc", "ncol", "bbox_to_anchor")}
-    fig, left = ax.figure, ax.get_window_extent().x0
+    fig, frame = ax.figure, ax.get_window_extent()
+    page, room = fig.bbox.width, frame.width
+    top = 1 + (13 * fig.dpi / 72 / frame.height if any(text.get_gid() == "letter" for text in ax.texts) else 0)
     for columns, width in ((4, 0), (3, 0), (2, 0), (1, 0), (1, 60), (1, 44), (1, 32), (1, 24)):
         if columns > len(entries):
             continue
         texts = ["\n".join(textwrap.wrap(one.get_label(), width)) if width else one.get_label() for one in entries]
-        box = ax.legend(handles=entries, labels=texts, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncol=columns,
+        box = ax.legend(handles=entries, labels=texts, loc="lower left", bbox_to_anchor=(0.0, top), ncol=columns,
                         **words)
-        wide = _size(box)[0]
-        if wide > 1.02 * room and wide < 0.98 * fig.bbox.width:  # it may begin left of the frame
-            box.set_bbox_to_anchor(((room - wide + 0.01 * fig.bbox.width) / room, 1.0), transform=ax.transAxes)
-        if wide < 0.98 * fig.bbox.width and wide - room < left:
+        wide, tall = _size(box)
+        if 1.02 * room < wide < 0.98 * page:  # it may begin left of the frame
+            box.set_bbox_to_anchor(((room - wide + 0.01 * page) / room, top), transform=ax.transAxes)
+        if wide < 0.98 * page and wide - room < frame.x0:
             break
     if not getattr(ax, "_sonopack_grown", False):
         ax._sonopack_grown = True
-        width, height = fig.get_size_inches()
-        fig.set_size_inches(width, height + _size(box)[1] / fig.dpi)
+        fig.set_size_inches(fig.get_figwidth(), fig.get_figheight() + tall / fig.dpi)
     return box
 
 
@@ -267,46 +281,35 @@ def _above(ax: Axes, entries: list[Any], words: dict[str, Any], room: float) -> 
 Limits = tuple[float | None, float | None]
 
 
-@dataclasses.dataclass(frozen=True)
-class Look:
-    """Title, limits and scales of the axes. x holds for all panels, y for the first."""
+def apply_look(fig: Figure, title: str = "", x: Limits | None = None, y: Limits | None = None, log: str = "",
+               linear: bool = False) -> None:
+    """Title, limits and scales of the axes: x of all panels, y of the first. log: "x", "y" or "xy". linear: the others."""
+    if title:
+        text = fig.suptitle("\n".join(textwrap.wrap(plain(title), int(13 * fig.get_figwidth()))), fontsize=9)
+        if fig.get_label() == "picture":  # whose views have a scale
+            from ._view import grow
+            grow(fig, 0.0, text.get_window_extent().height / fig.dpi + 0.06)
+    for k, ax in enumerate(one for one in fig.axes if one.get_label() == "panel"):
+        for which, limits in (("x", x), ("y", y))[:2 if k == 0 else 1]:
+            _look_of_axis(ax, which, limits, "log" if which in log else "linear" if linear else None)
+        label_decades(ax)
+        if hasattr(ax, "_sonopack_legend"):
+            _place_legend(ax, fixed=k == 0 and y is not None)
 
-    title: str = ""
-    x: Limits | None = None
-    y: Limits | None = None
-    log: str = ""
-    linear: bool = False
 
-    def apply(self, fig: Figure) -> None:
-        if self.title:
-            title = fig.suptitle("\n".join(textwrap.wrap(plain(self.title), int(13 * fig.get_figwidth()))))
-            if fig.get_label() == "picture":  # whose views have a scale
-                from ._view import grow
-                grow(fig, 0.0, title.get_window_extent().height / fig.dpi + 0.06)
-        for k, ax in enumerate(one for one in fig.axes if one.get_label() == "panel"):
-            self._axis(ax, "x", self.x)
-            if k == 0:
-                self._axis(ax, "y", self.y)
-            label_decades(ax)
-            if hasattr(ax, "_sonopack_legend"):
-                ax._sonopack_limits = (self.x, self.y if k == 0 else None)
-                _place_legend(ax)
-
-    def _axis(self, ax: Axes, which: str, limits: Limits | None) -> None:
-        scale = "log" if which in self.log else "linear" if self.linear else None
-        set_limits, get_limits = getattr(ax, f"set_{which}lim"), getattr(ax, f"get_{which}lim")
-        if scale == "log":
-            _check_positive(ax, which)
-        if scale and scale != getattr(ax, f"get_{which}scale")():
-            getattr(ax, f"set_{which}scale")(scale, **({"nonpositive": "clip"} if scale == "log" else {}))
-            set_limits(auto=True)
-            ax.autoscale(axis=which)
-        if limits:
-            if getattr(ax, f"get_{which}scale")() == "log" and min(one for one in limits if one is not None) <= 0:
-                low = next(one for one in limits if one is not None and one <= 0)
-                raise usage(f"--{which} {low:g}: must be above 0 on a logarithmic axis")
-            low, high = get_limits()
-            set_limits(limits[0] if limits[0] is not None else low, limits[1] if limits[1] is not None else high)
+def _look_of_axis(ax: Axes, which: str, limits: Limits | None, scale: str | None) -> None:
+    set_limits, get_limits = getattr(ax, f"set_{which}lim"), getattr(ax, f"get_{which}lim")
+    if scale == "log":
+        _check_positive(ax, which)
+    if scale and scale != getattr(ax, f"get_{which}scale")():
+        getattr(ax, f"set_{which}scale")(scale, **({"nonpositive": "clip"} if scale == "log" else {}))
+        set_limits(auto=True)
+        ax.autoscale(axis=which)
+    if limits:
+        least = min(one for one in limits if one is not None)
+        if getattr(ax, f"get_{which}scale")() == "log" and least <= 0:
+            raise usage(f"--{which} {least:g}: must be above 0 on a logarithmic axis")
+        set_limits(*(old if new is None else new for new, old in zip(limits, get_limits())))
 
 
 def _check_positive(ax: Axes, which: str) -> None:
@@ -342,11 +345,22 @@ def _write(fig: Figure, to: Any, ending: str, dpi: int = 300) -> None:
 
 def picture(axes: Any) -> bytes:
     """The PNG of Axes that nobody else has, for notebooks."""
-    fig, out = np.ravel(np.asarray(axes, object))[0].figure, io.BytesIO()
+    fig, out = figure_of(axes), io.BytesIO()
     _write(fig, out, ".png", 150)
+    forget(fig)
+    return out.getvalue()
+
+
+def figure_of(axes: Any) -> Figure:
+    """The figure of Axes, or of an array of them."""
+    fig: Figure = np.ravel(np.asarray(axes, object))[0].figure
+    return fig
+
+
+def forget(fig: Figure) -> None:
+    """pyplot, where it is imported, would keep and show the figure."""
     if "matplotlib.pyplot" in sys.modules:
         sys.modules["matplotlib.pyplot"].close(fig)
-    return out.getvalue()
 
 
 @contextlib.contextmanager

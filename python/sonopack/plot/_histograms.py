@@ -1,12 +1,15 @@
 """Histograms of contacts over packings: directions (Fig. 2 of Somfai et al. 2005), forces and stiffnesses (Fig. 1(c))."""
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import numpy.typing as npt
 
-from .._core import Floats, Refused, Status, invalid
+from .._core import Floats, Refused, SonopackError, Status, invalid
 from .._packing import Packing
 from .._table import Table
+from ._units import refuse
 
 ANGLES = {2: 36, 3: 12}  # bins around 0, 5, ... (3D: 15, ...) degrees; n and -n are equivalent
 VALUES, WIDTH = 100, 0.1  # bins of a value over its mean in the same packing
@@ -121,3 +124,14 @@ def _directions(dim: int, n: Floats) -> Floats:
     low, high = np.maximum(level - 0.5, 0) * np.pi / bins, np.minimum((level + 0.5) * np.pi / bins, 0.5 * np.pi)
     density: Floats = counted[level] / (len(n) * (np.sin(high) - np.sin(low)))
     return density
+
+
+def contact_counts(packings: Iterable[tuple[str, Packing]], threshold: float, margin: float) -> ContactCounts:
+    """The counts of packings, which have names for messages."""
+    counts = ContactCounts()
+    for name, packing in packings:
+        try:
+            counts.add(packing, threshold, margin)
+        except SonopackError as fault:
+            raise refuse(name, str(fault)) from None
+    return counts

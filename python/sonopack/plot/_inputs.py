@@ -2,24 +2,24 @@
 from __future__ import annotations
 
 import csv
+import dataclasses
 import functools
 import os
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .._core import Floats, call, invalid, new
-from .._native import ffi, lib
+from .._core import Floats, SonopackError, invalid, words
 from .._network import Network
 from .._packing import Packing
 from .._records import Material
 from .._scene import Scene
 from .._signal import Signal
 from .._table import Table, material_of
-from ._units import is_ours, number, plain, refuse, same_unit
+from ._units import PRESSURE, is_ours, number, plain, refuse, same_unit, unit_text
 
 
 class Input:
@@ -150,9 +150,10 @@ def names(data: Sequence[Input]) -> list[str]:
     settings = [{} if one.own_label is not None or one.is_packing else _settings(one.table) for one in data]
     keys = [key for key in settings[0] if all(key in other for other in settings)
             and len({other[key] for other in settings}) > 1]
-    told = [", ".join(_setting_text(key, other[key]) for key in keys) for other in settings]
-    if len(set(told)) < len(told):
-        told = [plain(one.stem()) for one in data]
+    for told in ([", ".join(_setting_text(key, other[key]) for key in keys) for other in settings],
+                 [plain(one.stem()) for one in data], [plain(one.path) for one in data]):
+        if len(set(told)) == len(told):
+            break
     return [plain(one.own_label) if one.own_label is not None else text for one, text in zip(data, told)]
 
 
@@ -174,6 +175,69 @@ def _setting_text(key: str, value: str) -> str:
     if re.fullmatch(r"[0-9+\-.eE]+", value):
         return f"{symbol} = {number(float(value), 9)}{unit}"
     return f"{symbol} = {plain(value)}"
+
+
+# ---- groups of rows -------------------------------------------------------------------------------------------------
+
+@dataclasses.dataclass
+class Group:
+    """Successive rows of a table that belong together. columns: the arrays of these rows; keys: the settings that all of
+    them have; text: what tells the group apart."""
+
+    source: Input
+    columns: dict[str, Floats]
+    keys: dict[str, float]
+    file: str = ""
+    text: str = ""
+
+
+def groups_of(given: Sequence[Input], read: Callable[[Input], tuple[dict[str, Floats], list[str]]], x: str,
+              forms: Mapping[str, str], by_file: bool = False) -> list[Group]:
+    """The groups of all tables. read: gives the columns of a table, and the keys that it has; x: the column that rises in
+    a group; forms: keys, and how a legend has them, with a number and a unit; by_file: as the column `file` says."""
+    groups = [group for one in given for group in _split(one, *read(one), x, by_file)]
+    if not groups:
+        raise refuse(given[0].name, "nothing to draw: the table has no row")
+    unit = " " + unit_text(common_unit(given, "p", PRESSURE))
+    differing = [name for name in forms if len({group.keys.get(name) for group in groups}) > 1]
+    for group in groups:
+        told = [forms[name].format(number(group.keys[name], 9 if name == "grains" else 3), unit) for name in differing
+                if name in group.keys]
+        others = sum(other.source is group.source for other in groups) > 1
+        group.text = ", ".join(filter(None, (plain(group.source.own_label or ""), group.file if others else "", *told)))
+    texts = [group.text for group in groups]
+    for group in groups:
+        if len(given) > 1 and texts.count(group.text) > 1 and group.source.own_label is None:
+            group.text = ", ".join(filter(None, (plain(group.source.stem()), group.text)))
+    return groups
+
+
+def _split(one: Input, columns: dict[str, Floats], names: Sequence[str], x: str, by_file: bool) -> list[Group]:
+    """Rows of one group follow each other, with rising x and the same keys (higher packings have more grains); signals of
+    one file belong together, and so do files with one signal each."""
+    keys = {name: one.column(name) for name in names if name in one.table and one.table[name].dtype.kind in "fiu"}
+    files = [re.fullmatch(r"(.*?)(:F\d+)?", name, re.S).groups()  # type: ignore[union-attr]
+             for name in one.table["file"].astype(str)] if by_file and "file" in one.table else []
+
+    def begins(row: int) -> bool:
+        if files:
+            (name, signal), (last, before) = files[row], files[row - 1]
+            return not (name == last and before) if signal else before is not None
+        same = all(column[row] == column[row - 1] or np.isnan(column[row]) and np.isnan(column[row - 1])
+                   for name, column in keys.items() if name != "grains")
+        return not same or bool(columns[x][row] <= columns[x][row - 1])
+
+    starts = [row for row in range(one.table.rows) if row == 0 or begins(row)]
+    found = []
+    for rows in map(slice, starts, [*starts[1:], one.table.rows]):
+        common = {name: column[rows][0] for name, column in keys.items() if len(set(column[rows].tolist())) == 1}
+        group = Group(one, {name: each[rows] for name, each in columns.items()}, common)
+        if files:
+            alone = files[rows.start][1] or rows.stop - rows.start == 1
+            stem = os.path.splitext(os.path.basename(files[rows.start][0]))[0]
+            group.file = plain(stem) if alone else "single signals"
+        found.append(group)
+    return found
 
 
 # ---- reading --------------------------------------------------------------------------------------------------------
@@ -238,14 +302,10 @@ def _number(cell: str, place: str) -> float:
 
 def network_of(packing: Packing, scene: Scene | None = None) -> Network:
     """The network of a packing, with the keys of the group network of a scene."""
-    return network_with(packing, ffi.new("sp_network_options *", scene._c.network)) if scene else packing.network()
+    return network_with(packing, scene._c.network) if scene else packing.network()
 
 
 def network_with(packing: Packing, options: Any) -> Network:
     """The network of a packing with these sp_network_options."""
-    network = Network.__new__(Network)
-    network._options = options
-    network._c = new("sp_network", lib.sp_network_free, lib.sp_network_none)
-    call(lib.sp_network_make, packing._c, network._options, network._c)
-    network.packing = packing
-    return network
+    return packing.network(threshold=options.threshold, prestress=options.prestress, sliding_free=options.sliding_free,
+                           tangential=words("sp_springs")[options.tangential])

@@ -1,7 +1,8 @@
-"""Displacements that figures show: of a mode, or at a time after a pulse; computed, or read from files."""
+"""Displacements that figures show, and convert writes: of a mode, or at a time after a pulse; computed, or read from files."""
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Sequence
 
 import numpy as np
@@ -33,6 +34,31 @@ class Motion:
     t: float = 0.0
     source: str = "impulse"
     error: float = float("nan")
+
+    def __post_init__(self) -> None:
+        if not np.all(np.isfinite(self.u)):
+            where = int(np.argmin(np.isfinite(self.u.ravel())))
+            raise Failed(f"displacement {where}{' of the mode' if self.is_mode else ''} is not finite")
+
+    @functools.cached_property
+    def moves(self) -> Floats:
+        """Translations [n][3] along the axes of the packing."""
+        found = np.zeros((self.network.n, 3))
+        found[:, :self.network.dim] = self.u[:, :self.network.dim]
+        return found
+
+    @functools.cached_property
+    def lengths(self) -> Floats:
+        """Of the translations [n]."""
+        return np.linalg.norm(self.moves, axis=1)
+
+    @functools.cached_property
+    def turns(self) -> Floats:
+        """Rotations times radius [n][3]."""
+        net, found = self.network, np.zeros((self.network.n, 3))
+        if net.dim > 1 and net.dof > net.dim:
+            found[:, 3 - (net.dof - net.dim):] = self.u[:, net.dim:] * net.r[:, None]
+        return found
 
     def table(self) -> Table:
         """One row for each grain that is no rattler; `sonopack plot` draws it in place of computing the motion."""
@@ -213,7 +239,6 @@ def _field(one: Input, network: Network) -> Floats:
         raise refuse(one.name, f"row {wrong[0] + 1} is of grain {table['grain'][wrong[0]]}, must be "
                                f"{network.grain[wrong[0]]}")
     u = np.stack([table[name].astype(float) for name in components(network)], axis=1)
-    if not np.all(np.isfinite(u)):
-        row, a = np.argwhere(~np.isfinite(u))[0]
+    for row, a in np.argwhere(~np.isfinite(u))[:1]:
         raise refuse(one.name, f"{components(network)[a]} of grain {network.grain[row]} is not a finite number")
     return u

@@ -1,9 +1,8 @@
 """Pictures of a packing on Axes: its grains, walls, lines and arrows; three views of one in three dimensions."""
 from __future__ import annotations
 
-import dataclasses
 import functools
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -34,69 +33,28 @@ SOLID_SIZE = 0.5  # in three dimensions: of a grain as drawn over its own, so th
 PALE = 0.75  # how much of the colour of the farthest grains is white
 
 
-@dataclasses.dataclass
 class View:
     """A packing on Axes, whose coordinates are those of the packing [d]. across, rise: the axes of the packing that run
     to the right (-1: none) and upwards. points: in a diameter d [pt]. shift [n][3]: of grains that moved [d]."""
 
     ax: Axes
-    packing: Packing
-    across: int
-    rise: int
-    points: float
-    shift: Floats | None = None
+
+    def __init__(self, packing: Packing, across: int, rise: int, shift: Floats | None = None) -> None:
+        self.packing, self.across, self.rise, self.shift, self.points = packing, across, rise, shift, 1.0
+        self.solid = packing.dim == 3
+        self.above = self.solid and rise == 1  # seen from above
+        self.periodic = across >= 0 and packing.cell != "box"  # to the right
+        self.tiled = packing.cell == "periodic" or (self.above and packing.cell == "piston")  # upwards, too
+        self.boxed = across >= 0 and packing.cell == "box"  # walls at the sides
+        self.width = packing.box[across] if across >= 0 else 2.2 * float(packing.r.max())
+        self.height = packing.box[rise]
+        #: how far the top of a tilted cell lies to the right
+        self.slant = packing.tilt[across + rise - 1] if 0 <= across < rise else 0.0
+        self.left = min(0.0, self.slant) - (0.5 * self.width if across < 0 else 0.0)
+        self.span = self.width + abs(self.slant)
+        self.diameter = 2 * float(np.mean(packing.r))  # mean [d]
 
     # ---- the frame --------------------------------------------------------------------------------------------------
-
-    @property
-    def solid(self) -> bool:
-        return self.packing.dim == 3
-
-    @property
-    def above(self) -> bool:
-        """Whether it is seen from above."""
-        return self.solid and self.rise == 1
-
-    @property
-    def periodic(self) -> bool:
-        """To the right."""
-        return self.across >= 0 and self.packing.cell != "box"
-
-    @property
-    def tiled(self) -> bool:
-        """Periodic upwards, too."""
-        return self.packing.cell == "periodic" or (self.above and self.packing.cell == "piston")
-
-    @property
-    def boxed(self) -> bool:
-        """With walls at the sides."""
-        return self.across >= 0 and self.packing.cell == "box"
-
-    @functools.cached_property
-    def width(self) -> float:
-        return self.packing.box[self.across] if self.across >= 0 else 2.2 * float(self.packing.r.max())
-
-    @property
-    def height(self) -> float:
-        return self.packing.box[self.rise]
-
-    @property
-    def slant(self) -> float:
-        """How far the top of a tilted cell lies to the right."""
-        return self.packing.tilt[self.across + self.rise - 1] if 0 <= self.across < self.rise else 0.0
-
-    @property
-    def left(self) -> float:
-        return min(0.0, self.slant) - (0.5 * self.width if self.across < 0 else 0.0)
-
-    @property
-    def span(self) -> float:
-        return self.width + abs(self.slant)
-
-    @functools.cached_property
-    def diameter(self) -> float:
-        """Mean diameter of the grains [d]."""
-        return 2 * float(np.mean(self.packing.r))
 
     def open(self) -> View:
         """Limits and walls."""
@@ -148,22 +106,20 @@ class View:
             across -= self.width * np.floor((across - start) / self.width)
         return np.stack([across, up], axis=1)
 
-    def images(self, low: Floats, high: Floats) -> tuple[Integers, Floats]:
-        """Things that span from low to high [n][2] and their images at the periodic edges that reach into the frame:
-        numbers, in their order, and offsets [images][2]."""
+    def seen(self, low: Floats, high: Floats, far: Floats) -> tuple[Integers, Floats]:
+        """Things that span from low to high [n][2] and their images at the periodic edges that reach into the frame, from
+        the farthest to the nearest: numbers, and offsets [images][2]."""
         found, offsets = [], []
         for a in (0, -1, 1) if self.periodic else (0,):
             for b in (0, -1, 1) if self.tiled else (0,):
-                step = np.array([a * self.width + b * self.slant, b * self.height])
-                seen = np.full(len(low), True)
+                step, there = np.array([a * self.width + b * self.slant, b * self.height]), np.full(len(low), True)
                 if a or b:
-                    end = self.left + self.span
-                    seen &= (high[:, 0] + step[0] >= self.left) & (low[:, 0] + step[0] <= end)
-                    seen &= (high[:, 1] + step[1] >= 0) & (low[:, 1] + step[1] <= self.height)
-                found.append(np.flatnonzero(seen))
+                    ends = np.array([[self.left, 0], [self.left + self.span, self.height]])
+                    there = np.all((high + step >= ends[0]) & (low + step <= ends[1]), axis=1)
+                found.append(np.flatnonzero(there))
                 offsets.append(np.broadcast_to(step, (len(found[-1]), 2)))
         numbers, steps = np.concatenate(found), np.concatenate(offsets)
-        order = np.argsort(numbers, kind="stable")
+        order = np.lexsort((numbers, -far[numbers]))
         return numbers[order], steps[order]
 
     def project(self, vectors: Floats) -> Floats:
@@ -193,16 +149,12 @@ class View:
 
     def grains(self, fill: npt.ArrayLike) -> EllipseCollection:
         """Discs; fill [n][3]: their colours."""
-        far = self.far(np.arange(self.packing.n))
-        order = np.argsort(-far, kind="stable")
-        r = (self.packing.r * (SOLID_SIZE if self.solid else 1))[order]
-        centre = self.places[order]
-        k, step = self.images(centre - r[:, None], centre + r[:, None])
-        thin = min(0.4, 0.05 * self.points)
-        colours, rims = _pale(np.asarray(fill), far)[order[k]], _pale(np.array([to_rgb(RIM)]), far[order[k]])
-        return self._add(EllipseCollection(2 * r[k], 2 * r[k], np.zeros(len(k)), units="xy", offsets=centre[k] + step,
+        far, r = self.far(np.arange(self.packing.n)), self.packing.r * (SOLID_SIZE if self.solid else 1)
+        k, step = self.seen(self.places - r[:, None], self.places + r[:, None], far)
+        colours, rims = _pale(np.asarray(fill)[k], far[k]), _pale(np.array([to_rgb(RIM)]), far[k])
+        return self._add(EllipseCollection(2 * r[k], 2 * r[k], np.zeros(len(k)), units="xy", offsets=self.places[k] + step,
                                            offset_transform=self.ax.transData, facecolors=colours, edgecolors=rims,
-                                           linewidths=thin, zorder=1))
+                                           linewidths=min(0.4, 0.05 * self.points), zorder=1))
 
     def links(self, contacts: npt.NDArray[Any], widths: Floats, colours: npt.ArrayLike) -> LineCollection:
         """Lines from centre to centre, or to the wall, along the normals of contacts. widths [contacts] of the lines
@@ -212,28 +164,24 @@ class View:
         if self.packing.dim == 1:
             reach = np.stack([reach[:, 0]] * 3, axis=1)
         far = self.far(i, 0.5 * reach[:, 3 - self.across - self.rise] if self.solid else 0.0)
-        order = np.argsort(-far, kind="stable") if self.solid else np.arange(len(i))
-        start, delta = self.places[i][order], self.project(reach)[order]
-        k, step = self.images(np.minimum(start, start + delta), np.maximum(start, start + delta))
-        ends = np.stack([start[k] + step, (start + delta)[k] + step], axis=1)
-        return self._add(LineCollection(ends, linewidths=widths[order][k],
-                                        colors=_pale(np.asarray(colours), far)[order][k], capstyle="round",
-                                        zorder=2))
+        start = self.places[i]
+        end = start + self.project(reach)
+        k, step = self.seen(np.minimum(start, end), np.maximum(start, end), far)
+        return self._add(LineCollection(np.stack([start[k] + step, end[k] + step], axis=1), linewidths=widths[k],
+                                        colors=_pale(np.asarray(colours)[k], far[k]), capstyle="round", zorder=2))
 
     def arrows(self, grains: Integers, vectors: Floats, colour: str, *, centred: bool = False,
                width: float = 0.8) -> Quiver:
         """Arrows [d] from grains, or centred on them. One that would cross a wall is moved along itself, and one that
         crosses a periodic edge comes in again. width: of a shaft [pt]."""
-        far = self.far(grains)
-        order = np.argsort(-far, kind="stable")
-        delta = self.project(vectors)[order]
-        start = self._inside(self.places[grains][order] - (0.5 * delta if centred else 0), delta)
-        k, step = self.images(np.minimum(start, start + delta), np.maximum(start, start + delta))
-        start = start[k] + step
+        far, delta = self.far(grains), self.project(vectors)
+        start = self._inside(self.places[grains] - (0.5 * delta if centred else 0), delta)
+        k, step = self.seen(np.minimum(start, start + delta), np.maximum(start, start + delta), far)
+        start, delta = start[k] + step, delta[k]
         return self._add(self.ax.quiver(
-            start[:, 0], start[:, 1], delta[k, 0], delta[k, 1], angles="xy", scale_units="xy", scale=1, units="inches",
-            width=width / 72, headwidth=3.6, headlength=4, headaxislength=3.6, minlength=0.1, minshaft=2,
-            color=_pale(np.array([to_rgb(colour)]), far[order[k]]), zorder=3))
+            *start.T, *delta.T, angles="xy", scale_units="xy", scale=1, units="inches", width=width / 72, headwidth=3.6,
+            headlength=4, headaxislength=3.6, minlength=0.1, minshaft=2, color=_pale(np.array([to_rgb(colour)]), far[k]),
+            zorder=3))
 
     def _inside(self, start: Floats, delta: Floats) -> Floats:
         clear = 1 / self.points
@@ -266,16 +214,13 @@ def views(packing: Packing, ax: Any = None, shift: Floats | None = None) -> list
     """One view, or in three dimensions three at one scale: along y, beside it along x, and below the first from above.
     On new Axes or on those given."""
     planes = [(0, 2), (1, 2), (0, 1)] if packing.dim == 3 else [(packing.dim - 2, packing.dim - 1)]
-    given = None if ax is None else list(np.ravel(np.asarray(ax, object)))
-    found = [View(None if given is None else given[k], packing, *plane, 1.0, shift)  # type: ignore[arg-type]
-             for k, plane in enumerate(planes[:None if given is None else len(given)])]
+    given = None if ax is None else np.ravel(np.asarray(ax, object))
+    found = [View(packing, *plane, shift) for plane in planes[:None if given is None else len(given)]]
     if given is None:
         _lay_out(found)
-    else:
-        for view in found:
-            box = view.ax.get_window_extent()
-            room = [box.width / view.span, box.height / view.height]
-            view.points = min(room) * 72 / view.ax.figure.dpi
+    for view, view.ax in zip(found, [] if given is None else list(given)):
+        box = view.ax.get_window_extent()
+        view.points = min(box.width / view.span, box.height / view.height) * 72 / view.ax.figure.dpi
     return [view.open() for view in found]
 
 
@@ -315,11 +260,12 @@ def arrow_key(points: float, width: float, colour: str, text: str) -> FancyArrow
     return FancyArrow(0, 0, points, 0, width=width, fc=colour, lw=0, label=text)
 
 
-def add_key(found: Sequence[View], entries: Iterable[Any], title: str = "") -> None:
-    """The key of a picture."""
+def finish(found: Sequence[View], entries: Sequence[Any], title: str = "") -> Any:
+    """Adds the key of a picture, and returns its Axes, or the array of those of three views."""
     if found[0].solid:
         title = "\n".join(filter(None, (title, "grains at half their size, far ones pale")))
-    key_below(found[0].ax, list(entries), title)
+    key_below(found[0].ax, entries, title)
+    return found[0].ax if len(found) == 1 else np.array([view.ax for view in found], object)
 
 
 def key_below(ax: Axes, entries: Sequence[Any], title: str = "") -> None:

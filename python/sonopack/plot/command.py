@@ -6,10 +6,10 @@ import os
 import re
 import textwrap
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from .._command import DONE, Failed, Parser, may_write, note, number, usage, whole_file
+from .._command import DONE, Failed, Parser, may_write, note, number, usage
 from .._core import InvalidInput, Status
 from .._records import Material
 from .._table import quantity
@@ -60,23 +60,23 @@ def run(arguments: argparse.Namespace) -> int:
     kind = KINDS[arguments.kind]
     given = _own_options(arguments, kind)
     _check(arguments, kind, given)
-    _may_write(arguments, given)
-    words = dict(given)
-    scene = Parser("plot", kind.sets).scene(arguments) if kind.sets or arguments.set else None
-    if scene is not None:
-        words["scene"] = scene
-    look = _look(arguments)
+    _check_frames(arguments, given)
+    paths = _paths(arguments, given)
+    words: dict[str, Any] = {"scene": Parser("plot", kind.sets).scene(arguments)} if kind.sets or arguments.set else {}
+    look = {"title": arguments.title, "x": _limits("--x", arguments.x), "y": _limits("--y", arguments.y),
+            "log": arguments.log, "linear": arguments.linear}
     from ._inputs import Input
     files = [Input(path) for path in arguments.files]
-    material = _material(arguments, files) if arguments.units == "si" or _has_quantity(given) else None
-    _numbers(words, material, arguments)
-    if arguments.units == "si":
+    si = arguments.units == "si"
+    material = _material(arguments, files) if si or _has_quantity(given) else None
+    words |= _numbers(given, material, arguments)
+    if si:
         words["material"] = material
         for one in files:
             one.material = material
     if arguments.label:
         words["labels"] = arguments.label
-    _draw(arguments, kind, files, words, look)
+    _draw(arguments, kind, files, words, look, paths)
     return DONE
 
 
@@ -97,55 +97,34 @@ def _own_options(arguments: argparse.Namespace, kind: Kind) -> dict[str, Any]:
 
 
 def _check(arguments: argparse.Namespace, kind: Kind, given: dict[str, Any]) -> None:
-    files, store = arguments.files, given.get("store")
-    if store and files:
-        raise usage(f"{files[0]}: must be a file or --store, not both")
-    if not store and not files:
-        raise usage(f"plot {arguments.kind}: no file to draw")
-    if len(files) > kind.most:
-        raise usage(f"plot {arguments.kind}: {len(files)} files, must be at most {kind.most}")
-    if len(files) < kind.needs:
-        raise usage(f"plot {arguments.kind}: needs a packing and a table of its grains")
-    if arguments.set and not kind.sets:
-        raise usage(f"--set: no key of a scene changes a figure of {arguments.kind}")
-    if not arguments.output:
-        raise usage("no -o FILE: must end in .svg, .png or .pdf")
-    if given.get("table") == arguments.output:
-        raise usage(f"--table {given['table']}: must be another file than the figure")
-    if given.get("published") and given.get("no-published"):
-        raise usage("--published and --no-published: must be one of them")
-    count = 1 if store else len(files)
-    if arguments.label and len(arguments.label) != count:
-        raise usage(f"--label {arguments.label[-1]:.60}: {len(arguments.label)} label(s) for {count} file(s), must be one "
-                    f"for each")
-    _check_column(arguments, given)
-    _check_frames(arguments, given)
-
-
-def _check_column(arguments: argparse.Namespace, given: dict[str, Any]) -> None:
-    column = given.get("column", "")
-    if arguments.kind == "column" and column and not re.fullmatch(r"y[1-9]\d*", column):
-        raise usage(f"--column {column:.60}: must be y1, y2, ...")
-    if arguments.kind == "spectrum" and column and column not in ("alpha", "k", "speed"):
-        raise usage(f"--column {column:.60}: must be alpha, k or speed")
+    """Raises the first of what is wrong."""
+    files, store, name = arguments.files, given.get("store"), f"plot {arguments.kind}"
+    count, labels = 1 if store else len(files), arguments.label
+    wrong = {
+        "%s: must be a file or --store, not both" % (*files, "")[0]: store and files,
+        f"{name}: no file to draw": not store and not files,
+        f"{name}: {len(files)} files, must be at most {kind.most}": len(files) > kind.most,
+        f"{name}: needs a packing and a table of its grains": len(files) < kind.needs,
+        f"--set: no key of a scene changes a figure of {arguments.kind}": arguments.set and not kind.sets,
+        "no -o FILE: must end in .svg, .png or .pdf": not arguments.output,
+        "--format: applies only to tables; a figure has the format of its ending": arguments.format,
+        f"--table {arguments.output}: must be another file than the figure": given.get("table") == arguments.output,
+        "--published and --no-published: must be one of them": {"published", "no-published"} <= set(given),
+        f"--label {(*labels, '')[-1]:.60}: {len(labels)} label(s) for {count} file(s), must be one for each":
+            labels and len(labels) != count}
+    for text, is_wrong in wrong.items():
+        if is_wrong:
+            raise usage(text)
 
 
 def _check_frames(arguments: argparse.Namespace, given: dict[str, Any]) -> None:
-    late = next((name for name in ("from", "to") if name in given), None)
-    if "frames" not in given:
-        if late:
-            raise usage(f"--{late}: needs --frames")
-        return
-    stray = next((name for name in ("table", "time") if name in given), None)
-    if stray:
-        raise usage(f"--frames {given['frames']}: a movie takes no --{stray}")
-    if arguments.kind == "snapshot" and len(arguments.files) > 1:
+    late, stray = ([name for name in names if name in given] for names in (("from", "to"), ("table", "time")))
+    if "frames" not in given and late:
+        raise usage(f"--{late[0]}: needs --frames")
+    if "frames" in given and stray:
+        raise usage(f"--frames {given['frames']}: a movie takes no --{stray[0]}")
+    if "frames" in given and arguments.kind == "snapshot" and len(arguments.files) > 1:
         raise usage(f"--frames {given['frames']}: the table {arguments.files[1]} has one time only")
-
-
-def _look(arguments: argparse.Namespace) -> dict[str, Any]:
-    return {"title": arguments.title, "x": _limits("--x", arguments.x), "y": _limits("--y", arguments.y),
-            "log": arguments.log, "linear": arguments.linear}
 
 
 def _limits(option: str, text: str | None) -> tuple[float | None, float | None] | None:
@@ -167,27 +146,25 @@ def _limits(option: str, text: str | None) -> tuple[float | None, float | None] 
 
 def _has_quantity(given: dict[str, Any]) -> bool:
     """Whether a number has a unit, for which a material is needed."""
-    return any(OPTIONS[name].unit and re.search(r"[A-Za-z]$", value.strip()) for name, value in given.items()
-               if isinstance(value, str))
+    return any(OPTIONS[name].unit and re.search(r"[A-Za-z]$", str(value).strip()) for name, value in given.items())
 
 
-def _numbers(words: dict[str, Any], material: Material | None, arguments: argparse.Namespace) -> None:
-    """Reads the values of options, and gives them the names that functions have."""
-    for name in [name for name in words if name in OPTIONS]:
-        value, option = words.pop(name), OPTIONS[name]
-        if option.unit and _has_quantity({name: value}):
-            try:
-                value = repr(quantity(value, option.unit, material or arguments.material))
-            except InvalidInput as fault:
-                raise usage(f"--{name} {fault}") from None
+def _numbers(given: dict[str, Any], material: Material | None, arguments: argparse.Namespace) -> dict[str, Any]:
+    """The values of options, by the names that functions have for them."""
+    words = {}
+    for name, value in given.items():
+        unit, read = OPTIONS[name].unit, OPTIONS[name].read
         try:
-            words[_WORDS.get(name, name)] = option.read(value) if isinstance(value, str) else value
-        except argparse.ArgumentTypeError as fault:
+            if _has_quantity({name: value}):
+                value = repr(quantity(value, unit, material or arguments.material))
+            words[_WORDS.get(name, name)] = read(value) if isinstance(value, str) else value
+        except (InvalidInput, argparse.ArgumentTypeError) as fault:
             raise usage(f"--{name} {fault}") from None
     if words.pop("no-published", False):
         words["published"] = False
     if "start" in words and "end" in words and words["start"] >= words["end"]:
         raise usage(f"--from {words['start']:g}: must be below --to {words['end']:g}")
+    return words
 
 
 _WORDS = {"from": "start", "to": "end"}
@@ -195,18 +172,15 @@ _WORDS = {"from": "start", "to": "end"}
 
 def _material(arguments: argparse.Namespace, files: Sequence[Input]) -> Material:
     """The material of --material, or the one that all files have."""
-    found = arguments.material
-    if found is None:
-        own = [(one.own_material(), one.name) for one in files]
-        lacking = next((name for material, name in own if material is None), None if own else "the store")
-        if lacking is not None:
-            raise usage(f"--units si: needs a material, and {lacking} has none: give it, as in --material "
+    own = [(arguments.material or one.own_material(), one.name) for one in files] or [(arguments.material, "the store")]
+    for material, name in own:
+        if material is None:
+            raise usage(f"--units si: needs a material, and {name} has none: give it, as in --material "
                         f"E=70e9,nu=0.22,rho=2500,d=1e-3 (Pa, kg/m^3, m)")
-        other = next((name for material, name in own if material != own[0][0]), None)
-        if other is not None:
-            raise usage(f"{own[0][1]} and {other} are of different materials: choose one by --material")
-        found = own[0][0]
-    return found
+        if material != own[0][0]:
+            raise usage(f"{own[0][1]} and {name} are of different materials: choose one by --material")
+    assert own[0][0] is not None
+    return own[0][0]
 
 
 # ---- drawing --------------------------------------------------------------------------------------------------------
@@ -223,52 +197,33 @@ def frame_paths(output: str, frames: int) -> list[str]:
     return [f"{head}{k + 1:0{int(digits or 1)}d}{rest}" for k in range(frames)]
 
 
-def _may_write(arguments: argparse.Namespace, given: dict[str, Any]) -> None:
-    output = arguments.output
-    if arguments.format:
-        raise usage("--format: applies only to tables; a figure has the format of its ending")
-    paths = frame_paths(output, _frames(given)) if "frames" in given else [output]
+def _paths(arguments: argparse.Namespace, given: dict[str, Any]) -> list[str]:
+    """The files of the figure, which may be written, as may that of --table."""
+    frames = int(_numbers({"frames": given["frames"]}, None, arguments)["frames"]) if "frames" in given else 0
+    paths = frame_paths(arguments.output, frames) if frames else [arguments.output]
     for path in paths:
         may_write(arguments, path, ENDINGS)
     if "table" in given:
         may_write(arguments, given["table"], (".tsv", ".csv", ".json"))
-
-
-def _frames(given: dict[str, Any]) -> int:
-    try:
-        return int(OPTIONS["frames"].read(given["frames"]))
-    except argparse.ArgumentTypeError as fault:
-        raise usage(f"--frames {fault}") from None
+    return paths
 
 
 def _draw(arguments: argparse.Namespace, kind: Kind, files: Sequence[Input], words: dict[str, Any],
-          look: dict[str, Any]) -> None:
+          look: dict[str, Any], paths: Sequence[str]) -> None:
     function = kind.function(arguments.kind)
+    from ._frame import apply_look, figure_of, save
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always", UserWarning)
         try:
             drawn = function(*files, **words)
-            _save_all(arguments, drawn, words, look)
+            for path, axes in zip(paths, drawn if "frames" in words else (drawn,)):
+                apply_look(figure_of(axes), **look)
+                save(figure_of(axes), path)
         except InvalidInput as fault:
             raise _blame(fault, arguments) from None
     for text in dict.fromkeys(str(one.message) for one in told if issubclass(one.category, UserWarning)):
         if not text.startswith("Glyph"):
             note(arguments, text)
-
-
-def _save_all(arguments: argparse.Namespace, drawn: Any, words: dict[str, Any], look: dict[str, Any]) -> None:
-    from ._frame import Look, save
-    paths = frame_paths(arguments.output, words["frames"]) if "frames" in words else [arguments.output]
-    for path, fig in zip(paths, _figures(drawn, "frames" in words)):
-        Look(**look).apply(fig)
-        save(fig, path)
-
-
-def _figures(drawn: Any, movie: bool) -> Iterator[Any]:
-    """The figure of Axes, of an array of them, or of each that a movie makes."""
-    import numpy as np
-    for each in drawn if movie else (drawn,):
-        yield np.ravel(np.asarray(each, object))[0].figure
 
 
 def _blame(fault: InvalidInput, arguments: argparse.Namespace) -> Exception:

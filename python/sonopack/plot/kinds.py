@@ -73,10 +73,10 @@ KINDS = {
     "network": Kind("packing", 1, "a packing with its contacts as lines, whose width shows the normal force; rattlers are "
                     "grey", sets="network", axes=False, labels=False),
     "stiffness": Kind("packing", 1, "the same with the normal stiffness", sets="network", axes=False, labels=False),
-    "angles": Kind("contacts", ANY, "directions of the contacts of packings, at least 3 d from the walls: all, strong and "
+    "angles": Kind("packing", ANY, "directions of the contacts of packings, at least 3 d from the walls: all, strong and "
                    "weak contacts; a circle of radius 1 is isotropic. In three dimensions angles are those above the "
                    "horizontal", sets="network", axes=False, labels=False),
-    "forces": Kind("contacts", ANY, "histograms of normal forces and stiffnesses, divided by their means", sets="network",
+    "forces": Kind("packing", ANY, "histograms of normal forces and stiffnesses, divided by their means", sets="network",
                    labels=False),
     "snapshot": Kind("motion", 2, "displacements of the grains at a time after the pulse, which starts at the bottom wall "
                      "(periodic cells have none). A second FILE, a table of --table, is drawn in place of computing them",
@@ -94,7 +94,7 @@ KINDS = {
                        "table of S(k, omega) (--profile) is drawn as a map", sets="network"),
     "wave": Kind("waves", 6, "phase speed and attenuation against wave number from tables of `sonopack wave', and "
                  "Rayleigh's alpha = a k^(dimension + 1) through the points with alpha below k/10"),
-    "amplitude": Kind("amplitudes", 6, "speed over its linear limit and shares of contacts that opened and slid against "
+    "amplitude": Kind("waves", 6, "speed over its linear limit and shares of contacts that opened and slid against "
                       "amplitude, from tables of `sonopack amplitude'; with --omega and --planes F2/F1^2 against height"),
     "column": Kind("tapped", 6, "a table of `sonopack column' (trajectory, strobe, lyapunov, bifurcation, compare, density "
                    "or energy); trajectories of lattice, longwave and bsr are drawn as surfaces side by side, two columns "

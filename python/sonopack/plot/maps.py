@@ -2,6 +2,7 @@
 branches."""
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -10,10 +11,9 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 
 from .._core import Floats, Integers
-from .._records import Material
 from .._scene import Scene
-from ._frame import WIDTH, panels, styled
-from ._inputs import Input, inputs
+from ._frame import WIDTH, figure, panels
+from ._inputs import Input
 from ._units import FREQUENCY, TIME, label, refuse, same_unit, unit_text
 from .signals import Trace, traces_of
 
@@ -111,13 +111,12 @@ def _grid(one: Input, k: Floats, omega: Floats, s: Floats) -> tuple[Floats, Floa
 PANELS_MOST = 6
 
 
-@styled
-def spectrogram(*data: Any, material: Material | None = None, ax: Any = None, scene: Scene | None = None) -> Any:
+@figure
+def spectrogram(given: Sequence[Input], *, ax: Any = None, scene: Scene | None = None) -> Any:
     """The spectral density of a signal over time and frequency, with the ridge of the largest density. data: a signal,
     a table of signals, or a packing, whose signal is computed with the keys of `scene`. Windows of Hann, an eighth of
     the signal long; several detectors have a panel each."""
-    one = inputs(data, None, material)[0]
-    traces = traces_of(one, scene)
+    one, traces = given[0], traces_of(given[0], scene)
     if len(traces) > PANELS_MOST:
         raise refuse(one.name, f"{len(traces)} signals: a figure shows 1 to {PANELS_MOST}")
     found = [_spectrum(one, trace) for trace in traces]

@@ -2,23 +2,23 @@
 from __future__ import annotations
 
 import functools
-import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgb
 
-from .._command import Failed, usage
+from .._command import usage
 from .._core import Floats
+from .._network import Network
 from .._records import Material
 from .._scene import Scene
-from ._frame import key, styled
-from ._inputs import Input, inputs
-from ._motion import Motion, find_mode, find_snapshots, usual_time
+from ._frame import figure, figure_of, forget, styled
+from ._inputs import Input
+from ._motion import Motion, find_mode, find_snapshots, network_for, usual_time
 from ._units import FREQUENCY, LENGTH, TIME, number, to_si, unit_text
-from ._view import EARLIER, GRAIN, LATER, RATTLER, RIM, View, add_key, arrow_key, views
-from .packing import rattler_entry, result
+from ._view import EARLIER, GRAIN, LATER, RATTLER, View, arrow_key, finish, views
+from .packing import disc, rattler_entry
 
 LONGEST_MODE = 1.5  # arrow of a mode [mean diameters]
 FARTHEST = 0.5  # how far a grain moves in a movie, over the length of its arrow
@@ -26,20 +26,6 @@ TYPICAL, LENGTH_OF_TYPICAL = 0.70, 0.8  # this part of the moving grains has arr
 LONGEST = 1.7  # arrow of a snapshot [mean diameters]
 MOVING = 0.01  # least displacement of a moving grain, relative to the largest
 CUT = "#d55e00"
-
-
-def _checked(motion: Motion) -> Motion:
-    if not np.all(np.isfinite(motion.u)):
-        where = int(np.argmin(np.isfinite(motion.u.ravel())))
-        raise Failed(f"displacement {where}{' of the mode' if motion.is_mode else ''} is not finite")
-    return motion
-
-
-def _all_axes(motion: Motion) -> Floats:
-    """Translations [n][3] along the axes of the packing."""
-    found = np.zeros((motion.network.n, 3))
-    found[:, :motion.network.dim] = motion.u[:, :motion.network.dim]
-    return found
 
 
 def _save_table(motion: Motion, table: str | None, material: Material | None) -> None:
@@ -53,26 +39,21 @@ def _same_size(draw: Any, count: int) -> Iterator[Any]:
     size = None
     for k in range(count):
         axes = draw(k)
-        fig = np.ravel(np.asarray(axes, object))[0].figure
+        fig = figure_of(axes)
         size = fig.get_size_inches() if size is None else size
         fig.set_size_inches(size)
-        if "matplotlib.pyplot" in sys.modules:  # which would keep and show every frame
-            sys.modules["matplotlib.pyplot"].close(fig)
+        forget(fig)
         yield axes
 
 
-# ---- modes ----------------------------------------------------------------------------------------------------------
-
-@styled
-def mode(*data: Any, material: Material | None = None, ax: Any = None, scene: Scene | None = None,
-         mode: int | None = None, frames: int | None = None, table: str | None = None) -> Any:
+@figure
+def mode(given: Sequence[Input], *, ax: Any = None, scene: Scene | None = None, mode: int | None = None,
+         frames: int | None = None, table: str | None = None) -> Any:
     """The displacements of a mode as arrows on the grains, tinted where they rotate. data: a packing, network or Modes,
     or a packing and a file of `sonopack modes --vectors'. mode: the number, by default of the first that is no zero
     mode. frames: an iterator over the Axes of so many pictures of one period. table: writes the displacements there,
     too."""
-    given = inputs(data, None, material)
-    motion = _checked(find_mode(given, mode, scene))
-    material = given[0].material
+    motion, material = find_mode(given, mode, scene), given[0].material
     if frames is None:
         _save_table(motion, table, material)
         return _draw_mode(motion, material, ax, None)
@@ -80,18 +61,10 @@ def mode(*data: Any, material: Material | None = None, ax: Any = None, scene: Sc
     return _same_size(lambda k: draw(k / frames), frames)
 
 
-def _turns(motion: Motion) -> Floats:
-    """Rotations times radius [n][3]."""
-    net, found = motion.network, np.zeros((motion.network.n, 3))
-    if net.dim > 1 and net.dof > net.dim:
-        found[:, 3 - (net.dof - net.dim):] = motion.u[:, net.dim:] * net.r[:, None]
-    return found
-
-
 def _tints(view: View, motion: Motion, swing: float) -> Floats:
     """Colours of all grains: white, tinted by the rotation relative to the largest translation or rotation."""
-    net, turns = motion.network, _turns(motion)
-    most = max(np.linalg.norm(turns, axis=1).max(), np.linalg.norm(_all_axes(motion), axis=1).max())
+    net, turns = motion.network, motion.turns
+    most = max(np.linalg.norm(turns, axis=1).max(), motion.lengths.max())
     seen = view.towards(turns) if net.dim == 3 else turns[:, 2]
     part = swing * seen / most if most > 0 else seen
     fill = np.tile(to_rgb(RATTLER), (net.packing.n, 1))
@@ -104,8 +77,7 @@ def _tints(view: View, motion: Motion, swing: float) -> Floats:
 def _draw_mode(motion: Motion, material: Material | None, ax: Any, part: float | None) -> Any:
     """part: of the period that has passed; None: no movie."""
     net = motion.network
-    swing, moves = 1.0 if part is None else np.cos(2 * np.pi * part), _all_axes(motion)
-    largest = np.linalg.norm(moves, axis=1).max()
+    swing, moves, largest = 1.0 if part is None else np.cos(2 * np.pi * part), motion.moves, motion.lengths.max()
     diameter = 2 * float(np.mean(net.packing.r))
     scale = swing * (0.9 if net.dim == 1 else LONGEST_MODE) * diameter / largest if largest > 0 else 0.0
     shift = None
@@ -120,11 +92,12 @@ def _draw_mode(motion: Motion, material: Material | None, ax: Any, part: float |
     factor, unit = to_si(FREQUENCY, material)
     title = rf"$n$ = {motion.number},  $\omega$ = {number(factor * motion.omega)} {unit_text(unit)}"
     title += "" if part is None else f",  $t$ = {part:.2f} $T$"
-    discs = {"marker": "o", "ls": "none", "mec": RIM, "mew": 0.4, "ms": 5}
-    turning = [key(**discs, mfc=LATER, label="rotating counterclockwise"), key(**discs, mfc=EARLIER, label="clockwise")]
-    rattlers = rattler_entry(int(net._c.rattlers)) if net._c.rattlers else []
-    add_key(found, (turning if np.any(_turns(motion)) else []) + rattlers, title)
-    return result(found)
+    turning = [disc(LATER, "rotating counterclockwise"), disc(EARLIER, "clockwise")] if np.any(motion.turns) else []
+    return finish(found, turning + _rattlers(net), title)
+
+
+def _rattlers(net: Network) -> list[Any]:
+    return [rattler_entry(int(net._c.rattlers))] if net._c.rattlers else []
 
 
 def _for_view(vectors: Floats, dim: int) -> Floats:
@@ -134,21 +107,19 @@ def _for_view(vectors: Floats, dim: int) -> Floats:
 
 # ---- snapshots ------------------------------------------------------------------------------------------------------
 
-@styled
-def snapshot(*data: Any, material: Material | None = None, ax: Any = None, scene: Scene | None = None,
-             time: float | None = None, frames: int | None = None, start: float = 0.0, end: float | None = None,
-             table: str | None = None) -> Any:
+@figure
+def snapshot(given: Sequence[Input], *, ax: Any = None, scene: Scene | None = None, time: float | None = None,
+             frames: int | None = None, start: float = 0.0, end: float | None = None, table: str | None = None) -> Any:
     """The displacements of the grains as arrows at a time after the pulse, which starts at the bottom wall. data: a
     packing or network, or this and displacements [n][dof] or a table of them. frames: an iterator over the Axes of so
     many pictures from start to end. table: writes the displacements there, too."""
-    given = inputs(data, None, material)
     times = None if time is None else [time]
     if frames is not None:
-        end = _end(given[0], end)
+        end = usual_time(network_for(given[0], scene).packing) / 0.75 if end is None else end
         if not start < end:
             raise usage(f"--from {start:g}: must be before the last frame, at {end:g} (--to)")
         times = [start + (end - start) * k / (frames - 1) for k in range(frames)]
-    motions = [_checked(one) for one in find_snapshots(given, times, scene)]
+    motions = find_snapshots(given, times, scene)
     scale, material = _arrow_scale(motions), given[0].material
     if frames is None:
         _save_table(motions[0], table, material)
@@ -157,15 +128,10 @@ def snapshot(*data: Any, material: Material | None = None, ax: Any = None, scene
     return _same_size(lambda k: _draw_snapshot(motions[k], scale, material, ax, cut), frames)
 
 
-def _end(one: Input, end: float | None) -> float:
-    network = getattr(one.source, "packing", None)
-    return usual_time(network or one.packing) / 0.75 if end is None else end
-
-
 def _arrow_scale(motions: list[Motion]) -> float:
     """Length of an arrow over its displacement. Localized oscillations near the source are much larger than the wave,
     so the scale follows most of the grains, in all frames together; 0: nothing moves."""
-    lengths = np.concatenate([np.linalg.norm(_all_axes(one), axis=1) for one in motions])
+    lengths = np.concatenate([one.lengths for one in motions])
     moving = np.sort(lengths[(lengths >= MOVING * lengths.max()) & (lengths > 0)])
     if len(moving) == 0:
         return 0.0
@@ -175,13 +141,13 @@ def _arrow_scale(motions: list[Motion]) -> float:
 
 def _is_cut(motion: Motion, scale: float) -> Any:
     diameter = 2 * float(np.mean(motion.network.packing.r))
-    return scale * np.linalg.norm(_all_axes(motion), axis=1) > LONGEST * diameter
+    return scale * motion.lengths > LONGEST * diameter
 
 
 @styled
 def _draw_snapshot(motion: Motion, scale: float, material: Material | None, ax: Any, any_cut: bool) -> Any:
     net = motion.network
-    packing, cut, moves = net.packing, _is_cut(motion, scale), scale * _all_axes(motion)
+    packing, cut, moves = net.packing, _is_cut(motion, scale), scale * motion.moves
     diameter = 2 * float(np.mean(packing.r))
     moves[cut] *= (LONGEST * diameter / np.linalg.norm(moves[cut], axis=1))[:, None]
     moves = _for_view(moves, net.dim)
@@ -197,9 +163,7 @@ def _draw_snapshot(motion: Motion, scale: float, material: Material | None, ax: 
     entries = _arrow_entries(found[0], scale, material, width)
     if scale > 0 and (any_cut or cut.any()):
         entries.append(arrow_key(12, width, CUT, f"{cut.sum()} longer, cut"))
-    rattlers = rattler_entry(int(net._c.rattlers)) if net._c.rattlers else []
-    add_key(found, entries + rattlers, f"$t$ = {number(factor * motion.t)} {unit_text(unit)}")
-    return result(found)
+    return finish(found, entries + _rattlers(net), f"$t$ = {number(factor * motion.t)} {unit_text(unit)}")
 
 
 def _arrow_entries(view: View, scale: float, material: Material | None, width: float) -> list[Any]:

@@ -18,8 +18,8 @@ from .._records import Front, Material
 from .._scene import Scene
 from .._signal import front, signal_window
 from .._table import Table, material_of, quantity
-from ._frame import MARKS_OF_FRONT, dash, ink, key, legend, panels, styled
-from ._inputs import Input, common_unit, inputs, names, network_of
+from ._frame import MARKS_OF_FRONT, dash, figure, ink, key, legend, panels
+from ._inputs import Input, common_unit, names, network_of
 from ._units import FORCE, LENGTH, PRESSURE, TIME, label, plain, refuse, same_unit, to_si, unit_text, number
 
 LEGEND_MOST = 10   # more signals are drawn one above the other
@@ -125,8 +125,8 @@ def _own_number(table: Table, name: str, unit: str, material: Material | None) -
     """A number of the comments in our unit: in a table in SI its unit stands behind it."""
     text = table.metadata.get(name, "")
     try:
-        return quantity(text, unit, material) if material else table.number(name)
-    except (SonopackError, KeyError):
+        return quantity(text, unit, material) if material else _positive(table, name)
+    except SonopackError:
         return 0.0
 
 
@@ -181,13 +181,11 @@ def _place(trace: Trace, table: Table, column: str, several: bool) -> None:
 
 # ---- signals --------------------------------------------------------------------------------------------------------
 
-@styled
-def signal(*data: Any, labels: Sequence[str] | None = None, material: Material | None = None, ax: Axes | None = None,
-           scene: Scene | None = None) -> Axes:
+@figure
+def signal(given: Sequence[Input], *, ax: Axes | None = None, scene: Scene | None = None) -> Axes:
     """F(t) of Signals, of tables with the columns t and F (or F1, F2, ...), or of packings, whose signal is computed with
     the keys of `scene`. A triangle marks 10 % of the first front's peak, a circle the peak, a square the zero crossing,
     where `sonopack front` finds it. More than ten signals are drawn one above the other, at their distances."""
-    given = inputs(data, labels, material)
     read = [traces_of(one, scene) for one in given]
     traces = [trace for each in read for trace in each]
     for attribute, symbol in (("t_unit", "t"), ("f_unit", "F")):
@@ -203,8 +201,8 @@ def signal(*data: Any, labels: Sequence[str] | None = None, material: Material |
                 label=text or None)
     _mark_fronts(ax, traces)
     ax.axhline(0, color="black", lw=0.4, zorder=0)
-    ax.set_xlabel(label("$t$", _shared(traces, "t_unit")))
-    ax.set_ylabel(label(r"$F_\mathrm{sig}$" if all(t.ours for t in traces) else "$F$", _shared(traces, "f_unit")))
+    ax.set(xlabel=label("$t$", _shared(traces, "t_unit")),
+           ylabel=label(r"$F_\mathrm{sig}$" if all(t.ours for t in traces) else "$F$", _shared(traces, "f_unit")))
     _finish(ax, traces)
     return ax
 
@@ -265,9 +263,8 @@ def _section(traces: Sequence[Trace], ax: Axes | None) -> Axes:
     largest = [np.nanmax(np.abs(trace.f)) for trace in traces]
     for trace, place, most in zip(traces, places, largest):
         ax.plot(trace.t, place + (scale * trace.f / most if most > 0 else 0 * trace.f), color="black", lw=0.6)
-    ax.set_xlabel(label("$t$", traces[0].t_unit))
-    ax.set_ylabel(label("distance", traces[0].length_unit) if known else "number")
-    ax.set_xlim(min(np.nanmin(t.t) for t in traces), max(np.nanmax(t.t) for t in traces))
+    ax.set(xlabel=label("$t$", traces[0].t_unit), ylabel=label("distance", traces[0].length_unit) if known else "number",
+           xlim=(min(np.nanmin(t.t) for t in traces), max(np.nanmax(t.t) for t in traces)))
     some = [most for most in largest if most > 0]
     if some:
         ax.set_title(f"each signal scaled to its largest |$F$|:\n{number(min(some), 3)} to {number(max(some), 3)} "
@@ -277,12 +274,10 @@ def _section(traces: Sequence[Trace], ax: Axes | None) -> Axes:
 
 # ---- ensembles ------------------------------------------------------------------------------------------------------
 
-@styled
-def ensemble(*data: Any, labels: Sequence[str] | None = None, material: Material | None = None,
-             ax: Axes | None = None) -> Axes:
+@figure
+def ensemble(given: Sequence[Input], *, ax: Axes | None = None) -> Axes:
     """Mean and rms deviation of the signals of an ensemble, from tables with the columns t, mean and rms; low and high
     give a band around the mean."""
-    given = inputs(data, labels, material)
     alone = len(given) == 1 and given[0].own_label is None
     ax = panels(ax=ax, aspect=0.66)[0, 0]
     hint, bands = "a table of an ensemble has t, mean and rms", []
@@ -296,8 +291,8 @@ def ensemble(*data: Any, labels: Sequence[str] | None = None, material: Material
         ax.plot(t, rms, color=ink(2 if alone else k + 1), ls=dash(1))
     meaning = "mean" + (f", {bands[0] if len(set(bands)) == 1 else 'interval'}" if bands else "")
     ax.axhline(0, color="black", lw=0.4, zorder=0)
-    ax.set_xlabel(label("$t$", common_unit(given, "t", TIME)))
-    ax.set_ylabel(label(r"$F_\mathrm{sig}$", common_unit(given, "mean", FORCE)))
+    ax.set(xlabel=label("$t$", common_unit(given, "t", TIME)),
+           ylabel=label(r"$F_\mathrm{sig}$", common_unit(given, "mean", FORCE)))
     shades = [] if alone else [line for line in ax.lines if not line.get_label().startswith("_")]
     legend(ax, shades + [key(color=ink(1) if alone else "black", label=meaning),
                          key(color=ink(2) if alone else "black", ls=dash(1), label="rms deviation")])

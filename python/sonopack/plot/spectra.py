@@ -7,16 +7,14 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 
 from .._command import usage
 from .._core import Floats
-from .._records import Material
 from .._scene import Scene
 from .._table import Table
-from ._frame import GREY, dash, ink, inset, key, legend, mark, panels, points, styled, tag
-from ._inputs import Input, common_unit, inputs, names, network_of
+from ._frame import GREY, column_of_panels, dash, figure, ink, inset, key, legend, mark, panels
+from ._inputs import Input, common_unit, names, network_of
 from ._units import FORCE, FREQUENCY, SPEED, TIME, WAVE, inverse, label, number, refuse, square, unit_text, worded
 
 RESPONSE = "E* d^3/sqrt(E* / rho)"
@@ -51,15 +49,16 @@ RESPONSES = {"alpha": Style("alpha", "alpha_err", r"$\alpha$", WAVE, marks=True)
 
 # ---- spectra --------------------------------------------------------------------------------------------------------
 
-@styled
-def spectrum(*data: Any, labels: Sequence[str] | None = None, material: Material | None = None, ax: Axes | None = None,
-             scene: Scene | None = None, column: str | None = None) -> Axes:
+@figure
+def spectrum(given: Sequence[Input], *, ax: Axes | None = None, scene: Scene | None = None,
+             column: str | None = None) -> Axes:
     """Tables of `sonopack spectrum` dos, transmission, harmonic or participation, of `sonopack modes` or `table spectrum`
     against frequency, all of one kind; of packings the density of states. column: alpha, k or speed of a response."""
-    given = inputs(data, labels, material)
+    if column and column not in RESPONSES:
+        raise usage(f"--column {column:.60}: must be alpha, k or speed")
     for one in given:
         if one.is_packing:
-            one.table = _in_units(_dos_table(one, scene), one.material)
+            one.raw_table = _dos_table(one, scene)
     kinds = [_kind_of(one) for one in given]
     if len(set(kinds)) > 1:
         other = next(kind for kind in kinds if kind != kinds[0])
@@ -87,10 +86,6 @@ def _kind_of(one: Input) -> str:
         raise refuse(one.name, "no table to draw here: must be of `sonopack spectrum' dos, transmission, harmonic or "
                                "participation, of `sonopack modes', or of `sonopack table spectrum'")
     return kind
-
-
-def _in_units(table: Table, material: Material | None) -> Table:
-    return table.si(material) if material else table
 
 
 def _dos_table(one: Input, scene: Scene | None) -> Table:
@@ -198,18 +193,16 @@ def _finish(ax: Axes, given: Sequence[Input], style: Style, kind: str, grains: b
 
 # ---- dispersion -----------------------------------------------------------------------------------------------------
 
-@styled
-def dispersion(*data: Any, labels: Sequence[str] | None = None, material: Material | None = None, ax: Axes | None = None,
-               scene: Scene | None = None) -> Axes:
+@figure
+def dispersion(given: Sequence[Input], *, ax: Any = None, scene: Scene | None = None) -> Any:
     """Peak frequencies of the spectral functions against the wave number with their half widths as bars, from one or two
     tables of `sonopack spectrum dispersion`, or packings. A wave that is damped out within a period, whose half width
     exceeds its frequency, is drawn faint. A table of --profile is drawn as a map of S(k, omega)."""
-    given = inputs(data, labels, material)
     if len(given) > 2:
         raise refuse(given[0].name, f"{len(given)} tables of waves: a figure shows 1 or 2")
     for one in given:
         if one.is_packing:
-            one.table = _in_units(_dispersion_table(one, scene), one.material)
+            one.raw_table = _dispersion_table(one, scene)
         if "polarization" not in one.table or one.table["polarization"].dtype.kind != "U":
             raise refuse(one.name, "the table has no words in a column polarization; must be one of `sonopack spectrum "
                                    "dispersion'")
@@ -217,17 +210,14 @@ def dispersion(*data: Any, labels: Sequence[str] | None = None, material: Materi
         if len(given) > 1:
             raise usage("plot dispersion: two tables, must be one table of S(k, omega), or tables without --profile")
         from .maps import dispersion_map
-        drawn: Axes = dispersion_map(given[0], ax)
-        return drawn
+        return dispersion_map(given[0], ax)
     ax = panels(ax=ax, aspect=0.78)[0, 0]
     entries = _waves(ax, given)
     ax.margins(x=0.04)
     two = [(name, j) for j, name in enumerate(names(given)) if name]
     entries += [key(marker="o", color="black", mfc="white" if j else "black", ls="none", label=name) for name, j in two]
-    ax.set_xlim(left=0)
-    ax.set_ylim(bottom=0)
-    ax.set_xlabel(label("$k$", common_unit(given, "k", WAVE)))
-    ax.set_ylabel(label(r"$\omega$", common_unit(given, "peak", FREQUENCY)))
+    ax.set(xlim=(0, None), ylim=(0, None), xlabel=label("$k$", common_unit(given, "k", WAVE)),
+           ylabel=label(r"$\omega$", common_unit(given, "peak", FREQUENCY)))
     legend(ax, entries)
     return ax
 
@@ -269,19 +259,17 @@ def _waves(ax: Axes, given: Sequence[Input]) -> list[Any]:
 FEW = 60  # so many rows have marks instead of a line
 
 
-@styled
-def modes(*data: Any, labels: Sequence[str] | None = None, material: Material | None = None,
-          ax: Any = None) -> npt.NDArray[Any]:
+@figure
+def modes(given: Sequence[Input], *, ax: Any = None) -> Any:
     """Squared frequency and weight a b of each mode, from tables of `sonopack modes`. Returns two Axes, or one where no
     mode has a weight."""
-    given = inputs(data, labels, material)
     hint = "a table of modes has n, omega, a, b, ab"
     read = [(one.column("n", hint), one.column("omega", hint), one.optional("ab")) for one in given]
     empty = next((one for one in given if one.table.rows == 0), None)
     if empty:
         raise refuse(empty.name, "nothing to draw: the table of modes has no row")
     weighted = any(ab is not None and np.any(np.isfinite(ab)) for _, _, ab in read)
-    axes = panels(2 if weighted else 1, 1, ax=ax, aspect=0.66)[:, 0]
+    axes = column_of_panels(2 if weighted else 1, ax, 0.66)
     for j, ((n, omega, ab), name) in enumerate(zip(read, names(given))):
         few = len(n) <= FEW
         style = {"color": ink(j + 1), "ls": "none" if few else dash(j), "marker": mark(j % 4) if few else ""}
@@ -295,10 +283,8 @@ def modes(*data: Any, labels: Sequence[str] | None = None, material: Material | 
     if weighted:
         axes[1].axhline(0, color="black", lw=0.4)
         axes[1].set_ylabel(label("$a_n b_n$", common_unit(given, "ab", FORCE)))
-    for one, letter in zip(axes, "ab"):
-        one.set_xlabel("$n$")
-        if weighted:
-            tag(one, f"({letter})")
+    for each in axes:
+        each.set_xlabel("$n$")
     legend(axes[0])
     if len(given) == 1 and len(read[0][0]) > FEW:
         _first_modes(axes[0], *read[0][:2])
@@ -315,5 +301,4 @@ def _first_modes(ax: Axes, n: Floats, omega: Floats) -> None:
     inner = inset(ax)
     inner.plot(n[rows], squares[rows], "o", color=ink(1), mfc="white", ms=2.2)
     inner.axhline(0, color="black", lw=0.4)
-    inner.set_xlabel("$n$")
-    inner.set_ylabel(r"$\omega_n^2$")
+    inner.set(xlabel="$n$", ylabel=r"$\omega_n^2$")

@@ -12,7 +12,7 @@ from .._command import usage
 from .._core import Floats
 from .._records import Material
 from .._study import Store
-from ._frame import GREY, INKS, dash, ink, key, legend, mark, panels, points, styled
+from ._frame import GREY, INKS, dash, figure, ink, key, legend, mark, panels, points, styled
 from ._inputs import Input, common_dimension, common_unit, inputs, names
 from ._units import PRESSURE, SPEED, label, measured, plain, refuse, same_unit
 
@@ -28,14 +28,10 @@ def ctof(*data: Any, labels: Sequence[str] | None = None, material: Material | N
     store: the folder of a study, in place of tables."""
     given = inputs([*data, *_of_store(store, material)], labels, material)
     ax = panels(ax=ax, aspect=0.78 + 0.03 * (len(given) - 1))[0, 0]
-    ax.set_xscale("log")
-    ax.set_yscale("log")
+    ax.set(xscale="log", yscale="log")
     units = common_unit(given, "p", PRESSURE), common_unit(given, "c_tof", SPEED)
-    entries, used = [], []
-    for k, (one, name) in enumerate(zip(given, names(given))):
-        entry, speeds = _add_speeds(ax, one, name, k, len(given))
-        entries.append(entry)
-        used += speeds
+    made = [_add_speeds(ax, one, name, k, len(given)) for k, (one, name) in enumerate(zip(given, names(given)))]
+    entries, used = [entry for entry, _ in made], [speed for _, speeds in made for speed in speeds]
     pressures = np.concatenate([line.get_xdata() for line in ax.lines if line.get_gid() == "points"] or [np.array([])])
     if not len(pressures):
         raise refuse(given[0].name, "nothing to draw: no row has a pressure and a speed")
@@ -45,9 +41,7 @@ def ctof(*data: Any, labels: Sequence[str] | None = None, material: Material | N
     if _shows_published(published, given, units):
         entries.append(_published(ax, low, high))
     beyond = 10 ** max(0.25, 1 - 0.5 * np.log10(high / low))
-    ax.set_xlim(low / beyond, high * beyond)
-    ax.set_xlabel(label("$p$", units[0]))
-    ax.set_ylabel(label("$c$", units[1]))
+    ax.set(xlim=(low / beyond, high * beyond), xlabel=label("$p$", units[0]), ylabel=label("$c$", units[1]))
     legend(ax, entries)
     return ax
 
@@ -64,10 +58,12 @@ def _of_store(store: str | None, material: Material | None) -> list[Input]:
     return [made]
 
 
-def _positive(one: Input, name: str) -> Floats | None:
-    values = one.optional(name)
-    wrong = values is not None and ((values <= 0) | np.isinf(values))
-    if values is not None and np.any(wrong):
+def _positive(one: Input, name: str, values: Floats | None) -> Floats:
+    """Values that a logarithmic axis can show, or nan; nan where there is no column."""
+    if values is None:
+        return np.full(one.table.rows, np.nan)
+    wrong = (values <= 0) | np.isinf(values)
+    if np.any(wrong):
         row = int(np.argmax(wrong))
         raise refuse(one.name, f"row {row + 1}, {name} = {values[row]:g}: must be above 0, or nan")
     return values
@@ -76,13 +72,12 @@ def _positive(one: Input, name: str) -> Floats | None:
 def _add_speeds(ax: Axes, one: Input, name: str, k: int, count: int) -> tuple[Any, list[str]]:
     """The points of one table. One table has a colour for each speed, several have one each."""
     hint, used = "a ctof table has p, c_tof, c_tof_err, c_l, c_t", []
-    one.column("p", hint), one.column("c_tof", hint)
-    p = _positive(one, "p")
-    assert p is not None
+    p = _positive(one, "p", one.column("p", hint))
+    one.column("c_tof", hint)
     for q, speed in enumerate(SPEEDS):
-        c, error = _positive(one, speed), one.errors(speed)
-        there = np.isfinite(p) & np.isfinite(c) if c is not None else np.zeros(0, bool)
-        if c is None or not there.any():
+        c, error = _positive(one, speed, one.optional(speed)), one.errors(speed)
+        there = np.isfinite(p) & np.isfinite(c)
+        if not there.any():
             continue
         used.append(speed)
         points(ax, p[there], c[there], error[there] if error is not None else None, hollow=q > 0, marker=mark(q),
@@ -102,12 +97,10 @@ def _power_law(one: Input, p: Floats) -> tuple[float, float, Floats, Floats] | N
     c, error = one.column("c_tof"), one.errors("c_tof")
     there = np.isfinite(p) & np.isfinite(c)
     x, y = np.log(p[there]), np.log(c[there])
-    if len(x) == 0 or not np.ptp(x) > 0:
-        return None
     slope, spread = one.number("exponent"), one.number("exponent_err")
+    if len(x) == 0 or not np.ptp(x) > 0 or (np.isnan(slope) and len(x) < 3):
+        return None
     if np.isnan(slope):
-        if len(x) < 3:
-            return None
         slope, rest = np.polyfit(x, y, 1)[0], np.polyfit(x, y, 1, full=True)[1]
         spread = float(np.sqrt((rest[0] if len(rest) else 0) / (len(x) - 2) / np.sum((x - x.mean())**2)))
     bars = error[there] / c[there] if error is not None else np.zeros(len(x))
@@ -132,18 +125,16 @@ def _published(ax: Axes, low: float, high: float) -> Any:
 
 # ---- run time against error -----------------------------------------------------------------------------------------
 
-@styled
-def pareto(*data: Any, material: Material | None = None, ax: Axes | None = None, case: str | None = None) -> Axes:
+@figure
+def pareto(given: Sequence[Input], *, ax: Axes | None = None, case: str | None = None) -> Axes:
     """Run time against error from a table of `sonopack bench`, one symbol for each method, hollow for those of other
     programs, which have a blank in their names. A grey line joins the methods that are fastest at their error. case: of the
     table; by default that of its first row."""
-    one = inputs(data, None, material)[0]
+    one = given[0]
     if not {"case", "method", "seconds", "error"} <= set(one.table):
         raise refuse(one.name, "the table lacks one of the columns case, method, seconds, error of a bench")
-    if one.table.rows == 0:
-        raise refuse(one.name, "nothing to draw: the table has no rows")
     cases, methods = (one.table[name].astype(str) for name in ("case", "method"))
-    chosen = case or cases[0]
+    chosen = case or next(iter(cases), "")
     seconds, error = one.column("seconds"), np.maximum(one.column("error"), 1e-17)
     there = (cases == chosen) & (methods != "auto") & (seconds > 0) & np.isfinite(seconds + error)
     if not there.any():

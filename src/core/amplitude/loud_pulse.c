@@ -1,5 +1,5 @@
 /* The front of a loud pulse beside that of the linear signal. */
-#include "amplitude/motion.h"
+#include "amplitude/loud_motion.h"
 #include "base/base.h"
 
 #include <math.h>

@@ -347,9 +347,6 @@ sp_status sp_draft_begin(const char *path, sp_draft *d, sp_error *err) {
         return status;
     if (kind != 0 && kind != S_IFREG)
         return sp_fail(err, SP_EIO, "cannot write %s: a device or a pipe, must be a regular file", path);
-    char folder[SP_PATH_MAX];
-    folder_of(kind ? target : path, folder);
-    sp_folder_clean(folder); /* drafts are large, and so is what a killed process leaves */
     return begin_draft(kind ? target : path, kind ? &info : NULL, d, err);
 }
 
@@ -395,6 +392,12 @@ void sp_folder_clean(const char *folder) {
     }
     if (all)
         closedir(all);
+}
+
+void sp_folder_clean_beside(const char *path) {
+    char folder[SP_PATH_MAX];
+    folder_of(path, folder);
+    sp_folder_clean(folder);
 }
 
 sp_status sp_folder_probe(const char *folder, sp_error *err) {

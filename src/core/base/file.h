@@ -50,5 +50,6 @@ SP_SHARED sp_status sp_file_probe(const char *path, sp_error *err);
 
 /* Removes temporary files of processes that were killed while writing. */
 SP_SHARED void sp_folder_clean(const char *folder);
+SP_SHARED void sp_folder_clean_beside(const char *path); /* in the folder of a file */
 
 #endif

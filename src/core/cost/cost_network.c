@@ -1,6 +1,6 @@
 /* What results of a network will take: signals, modes, moduli, spectra. */
 #include "cost/laws.h"
-#include "signal/choose.h"
+#include "signal/job.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -153,7 +153,7 @@ sp_cost sp_cost_modes(const sp_network_size *net, const sp_modes_options *o, con
 
 /* ---- other results ---------------------------------------------------------------------------------------------- */
 
-sp_cost sp_cost_result(sp_result what, const sp_network_size *net, double count, const sp_machine *machine) {
+sp_cost sp_cost_result(sp_network_result what, const sp_network_size *net, double count, const sp_machine *machine) {
     static const struct {
         sp_work disks, spheres;
         bool factor;

@@ -1,6 +1,6 @@
 /* Draws packings with errors of measurement. Every number is drawn whether it is used or not, so that the same sample
  * of two sizes of an error differs by the size alone. */
-#include "inference/perturb.h"
+#include "inference/uncertain.h"
 
 #include "base/base.h"
 #include "base/vector.h"
@@ -147,30 +147,24 @@ static double factor(sp_random *r, double sd, bool exact) {
     return exact ? 1 : exp(sd * z);
 }
 
-static sp_status copy_packing(const sp_packing *p, int32_t contacts, sp_packing *q, sp_error *err) {
+sp_status sp_drawing_copy(const sp_packing *p, int32_t room, sp_packing *out, sp_error *err) {
     const size_t n = (size_t)p->n;
-    sp_packing made = sp_packing_none();
-    sp_status status = sp_packing_alloc(&made, p->dim, p->n, contacts, err);
+    sp_packing q = sp_packing_none();
+    sp_status status = sp_packing_alloc(&q, p->dim, p->n, room, err);
     if (status == SP_OK && p->mass)
-        status = sp_packing_alloc_masses(&made, err);
+        status = sp_packing_alloc_masses(&q, err);
     if (status != SP_OK) {
-        sp_packing_free(&made);
+        sp_packing_free(&q);
         return status;
     }
-    *q = *p;
-    q->x = made.x;
-    q->r = made.r;
-    q->mass = made.mass;
-    q->inertia = made.inertia;
-    q->contacts = made.contacts;
-    q->n_contacts = 0;
-    q->scene = NULL;
-    memcpy(q->x, p->x, 3 * n * sizeof *q->x);
-    memcpy(q->r, p->r, n * sizeof *q->r);
-    if (p->mass) {
-        memcpy(q->mass, p->mass, n * sizeof *q->mass);
-        memcpy(q->inertia, p->inertia, n * sizeof *q->inertia);
-    }
+    *out = *p;
+    out->x = memcpy(q.x, p->x, 3 * n * sizeof *q.x);
+    out->r = memcpy(q.r, p->r, n * sizeof *q.r);
+    out->mass = p->mass ? memcpy(q.mass, p->mass, n * sizeof *q.mass) : NULL;
+    out->inertia = p->mass ? memcpy(q.inertia, p->inertia, n * sizeof *q.inertia) : NULL;
+    out->contacts = q.contacts;
+    out->n_contacts = 0;
+    out->scene = NULL;
     return SP_OK;
 }
 
@@ -331,7 +325,7 @@ sp_status sp_drawing_draw(const sp_drawing *d, uint64_t seed, int64_t sample, sp
     sp_random r = sp_random_make(seed, stream);
     const int32_t room = d->p->n_contacts + d->candidates;
     sp_packing q = sp_packing_none();
-    sp_status status = copy_packing(d->p, room, &q, err);
+    sp_status status = sp_drawing_copy(d->p, room, &q, err);
     if (status != SP_OK)
         return status;
     const double common = factor(&r, d->errors->calibration, exact);

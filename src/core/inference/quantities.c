@@ -1,7 +1,8 @@
 /* Measures the sound of one packing. */
-#include "inference/quantities.h"
+#include "inference/uncertain.h"
 
 #include "base/base.h"
+#include "sensitivity/gradient.h"
 
 #include <math.h>
 #include <sonopack/elastic.h>
@@ -9,42 +10,35 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char *const front_names[SP_FRONT_MARKS] = {"t10", "t_peak", "peak", "width", "c"};
-static const char *const moduli_plane[] = {"C11", "C12", "C22", "C33", "c_l", "c_t"};
-static const char *const moduli_space[] = {"C11", "C12", "C13", "C22", "C23", "C33", "C44", "C55", "C66", "c_l", "c_t"};
-enum { MODULI_CHAIN = 2, MODULI_PLANE = 6, MODULI_SPACE = 11 };
-
-static int count_moduli(const sp_quantities *q) {
-    if (!q->moduli)
-        return 0;
-    return q->dim == 1 ? MODULI_CHAIN : q->dim == 2 ? MODULI_PLANE : MODULI_SPACE;
-}
-
 sp_quantities sp_quantities_of(const sp_network *net, const sp_uncertainty_options *opt) {
-    sp_quantities q = {.opt = opt, .dim = net->dim, .moduli = opt->moduli, .modes = opt->modes};
-    q.front = sp_network_touches(net, SP_BOTTOM) && sp_network_touches(net, SP_TOP);
+    static const sp_modulus all[] = {SP_MODULUS_C11, SP_MODULUS_C12, SP_MODULUS_C13, SP_MODULUS_C22,
+                                     SP_MODULUS_C23, SP_MODULUS_C33, SP_MODULUS_C44, SP_MODULUS_C55,
+                                     SP_MODULUS_C66, SP_MODULUS_CL,  SP_MODULUS_CT};
+    sp_quantities q = {.opt = opt, .modes = opt->modes};
+    if (sp_network_touches(net, SP_BOTTOM) && sp_network_touches(net, SP_TOP))
+        q.fronts = SP_FRONT_MARKS;
+    for (int k = 0; k < SP_MODULUS_COUNT && opt->moduli; k++)
+        if (sp_modulus_exists(net->dim, all[k]))
+            q.modulus[q.moduli++] = all[k];
     q.window = sp_signal_window(net->box[net->dim - 1], net->pressure);
-    q.n = (q.front ? SP_FRONT_MARKS : 0) + count_moduli(&q) + q.modes;
+    q.n = q.fronts + q.moduli + q.modes;
     return q;
 }
 
-static const char *modulus_name(int dim, int k) {
-    static const char *const chain[MODULI_CHAIN] = {"C22", "c_l"};
-    return dim == 1 ? chain[k] : dim == 2 ? moduli_plane[k] : moduli_space[k];
-}
-
 void sp_quantity_name(const sp_quantities *q, int32_t k, char name[24], char unit[40]) {
-    static const char *const marks[SP_FRONT_MARKS] = {"d/sqrt(E* / rho)", "d/sqrt(E* / rho)", "E* d^2",
-                                                      "d/sqrt(E* / rho)", "sqrt(E* / rho)"};
-    const int fronts = q->front ? SP_FRONT_MARKS : 0, moduli = count_moduli(q);
-    if (k < fronts) {
-        snprintf(name, 24, "%s", front_names[k]);
-        snprintf(unit, 40, "%s", marks[k]);
-    } else if (k < fronts + moduli) {
-        snprintf(name, 24, "%s", modulus_name(q->dim, k - fronts));
+    static const char *const marks[SP_FRONT_MARKS][2] = {{"t10", "d/sqrt(E* / rho)"},
+                                                         {"t_peak", "d/sqrt(E* / rho)"},
+                                                         {"peak", "E* d^2"},
+                                                         {"width", "d/sqrt(E* / rho)"},
+                                                         {"c", "sqrt(E* / rho)"}};
+    if (k < q->fronts) {
+        snprintf(name, 24, "%s", marks[k][0]);
+        snprintf(unit, 40, "%s", marks[k][1]);
+    } else if (k < q->fronts + q->moduli) {
+        snprintf(name, 24, "%s", sp_modulus_name(q->modulus[k - q->fronts]));
         snprintf(unit, 40, "%s", name[0] == 'C' ? "E*" : "sqrt(E* / rho)");
     } else {
-        snprintf(name, 24, "omega_%d", k - fronts - moduli + 1);
+        snprintf(name, 24, "omega_%d", k - q->fronts - q->moduli + 1);
         snprintf(unit, 40, "sqrt(E* / rho)/d");
     }
 }
@@ -87,13 +81,9 @@ static sp_status measure_moduli(const sp_quantities *q, const sp_packing *p, con
     sp_status status = sp_packing_density(p, q->opt->network.threshold, q->opt->margin, &density, err);
     if (status == SP_OK)
         status = sp_moduli_make(net, density, &m, err);
-    if (status != SP_OK)
-        return status;
-    const double chain[MODULI_CHAIN] = {m.c22, m.c_l};
-    const double plane[MODULI_PLANE] = {m.c11, m.c12, m.c22, m.c33, m.c_l, m.c_t};
-    const double space[MODULI_SPACE] = {m.c11, m.c12, m.c13, m.c22, m.c23, m.c33, m.c44, m.c55, m.c66, m.c_l, m.c_t};
-    memcpy(value, q->dim == 1 ? chain : q->dim == 2 ? plane : space, (size_t)count_moduli(q) * sizeof *value);
-    return SP_OK;
+    for (int k = 0; k < q->moduli && status == SP_OK; k++)
+        value[k] = sp_modulus_value(&m, q->modulus[k]);
+    return status;
 }
 
 static sp_status measure_modes(const sp_quantities *q, const sp_network *net, double *value, sp_error *err) {
@@ -113,14 +103,13 @@ static sp_status measure_modes(const sp_quantities *q, const sp_network *net, do
 sp_status sp_quantities_measure(const sp_quantities *q, const sp_packing *p, double *value, int32_t *contacts,
                                 sp_error *err) {
     sp_network net = sp_network_none();
-    const int fronts = q->front ? SP_FRONT_MARKS : 0;
     sp_status status = sp_network_make(p, &q->opt->network, &net, err);
-    if (status == SP_OK && q->front)
+    if (status == SP_OK && q->fronts > 0)
         status = measure_front(q, &net, value, err);
-    if (status == SP_OK && q->moduli)
-        status = measure_moduli(q, p, &net, value + fronts, err);
+    if (status == SP_OK && q->moduli > 0)
+        status = measure_moduli(q, p, &net, value + q->fronts, err);
     if (status == SP_OK && q->modes > 0)
-        status = measure_modes(q, &net, value + fronts + count_moduli(q), err);
+        status = measure_modes(q, &net, value + q->fronts + q->moduli, err);
     *contacts = net.n_springs;
     sp_network_free(&net);
     return status;

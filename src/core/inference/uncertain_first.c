@@ -57,8 +57,8 @@ static void add_curvatures(const first_order *f, const sp_packing *measured, con
 /* ---- one quantity ----------------------------------------------------------------------------------------------- */
 
 /* Squares of the standard deviations by kind. density_part: dQ/d(density), for speeds; else 0. */
-static sp_status variances(const first_order *f, const sp_packing *measured, const sp_gradient *g, double density_part,
-                           double *by_radius, sp_uncertain *out) {
+static void variances(const first_order *f, const sp_packing *measured, const sp_gradient *g, double density_part,
+                      double *by_radius, sp_uncertain *out) {
     const sp_errors *e = f->errors;
     const sp_network *net = &f->net;
     double v[SP_ERROR_KINDS] = {0}, sum = 0, whole = 0;
@@ -89,7 +89,6 @@ static sp_status variances(const first_order *f, const sp_packing *measured, con
     out->first_order = sqrt(sum);
     for (int k = 0; k < SP_ERROR_KINDS; k++)
         out->share[k] = sum > 0 ? v[k] / sum : NAN;
-    return SP_OK;
 }
 
 /* Where the derivatives of a quantity are the gradient g times `scale`. */
@@ -136,26 +135,16 @@ static sp_status add_front(const first_order *f, const sp_packing *measured, sp_
     return status;
 }
 
-static int modulus_of(const char *name) {
-    static const char *const names[SP_MODULUS_COUNT] = {"C11", "C12", "C22", "C33", "C13", "C23",
-                                                        "C44", "C55", "C66", "c_l", "c_t"};
-    for (int k = 0; k < SP_MODULUS_COUNT; k++)
-        if (strcmp(names[k], name) == 0)
-            return k;
-    return -1;
-}
-
-/* `count` moduli and speeds. Those that the packing does not have are left out. */
-static sp_status add_moduli(const first_order *f, const sp_packing *measured, int count, sp_uncertain *out,
-                            sp_error *err) {
+/* Moduli and speeds. Those that the packing does not have are left out. */
+static sp_status add_moduli(const first_order *f, const sp_packing *measured, sp_uncertain *out, sp_error *err) {
     sp_modulus of[SP_MODULUS_COUNT];
     sp_gradient g[SP_MODULUS_COUNT];
     sp_uncertain *to[SP_MODULUS_COUNT];
     sp_error reason = {0};
     int n = 0;
-    for (int k = 0; k < count; k++)
+    for (int k = 0; k < f->q->moduli; k++)
         if (isfinite(out[k].value)) {
-            of[n] = (sp_modulus)modulus_of(out[k].name);
+            of[n] = f->q->modulus[k];
             to[n++] = &out[k];
         }
     if (n == 0)
@@ -245,17 +234,16 @@ sp_status sp_uncertain_first_order(const sp_quantities *q, const sp_drawing *d, 
     first_order f = {.q = q, .errors = d->errors};
     if (!differentiable(d->errors, q->opt))
         return SP_OK;
-    const int fronts = q->front ? SP_FRONT_MARKS : 0, moduli = q->n - fronts - q->modes;
     sp_status status = prepare(&f, p, err);
     if (status == SP_OK) {
         density_slopes(&f, p);
-        if (fronts > 0)
+        if (q->fronts > 0)
             status = add_front(&f, d->p, out->quantity, err);
     }
-    if (status == SP_OK && moduli > 0)
-        status = add_moduli(&f, d->p, moduli, out->quantity + fronts, err);
+    if (status == SP_OK && q->moduli > 0)
+        status = add_moduli(&f, d->p, out->quantity + q->fronts, err);
     if (status == SP_OK && q->modes > 0)
-        status = add_modes(&f, d->p, out->quantity + fronts + moduli, err);
+        status = add_modes(&f, d->p, out->quantity + q->fronts + q->moduli, err);
     sp_network_free(&f.net);
     sp_free(f.density_slope);
     return status;

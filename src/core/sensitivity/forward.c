@@ -3,7 +3,6 @@
 
 #include "base/base.h"
 #include "network/place.h"
-#include "signal/expansion.h"
 
 #include <float.h>
 #include <math.h>
@@ -11,7 +10,7 @@
 
 /* A field counts as having reached a block when its norm there exceeds this fraction of the first one. */
 #define REACHED 1e-19
-/* Factors of the rounding errors of sums, as in signal/pass_sum.c. */
+/* Factors of the rounding errors of sums, as in signal/pass.c. */
 #define MOMENT_ROUNDING 5.0
 #define PHASE_ROUNDING  5.0
 
@@ -26,29 +25,16 @@ void sp_forward_free(forward *f) {
         sp_free(f->kept[q].u);
         sp_free(f->kept[q].v);
     }
-    sp_free(f->from.at);
-    sp_free(f->from.value);
-    sp_free(f->to.at);
-    sp_free(f->to.value);
+    sp_sparse_row_free(&f->from);
+    sp_sparse_row_free(&f->to);
     *f = (forward){0};
 }
 
-/* A vector over the network as a sparse row; mass: factors, or NULL. */
 static sp_status make_row(const forward *f, const double *vector, const double *mass, sparse_row *out, sp_error *err) {
-    const sp_operator *op = &f->op;
-    const int64_t n = sp_network_dofs(f->net);
-    out->at = sp_alloc((size_t)n, sizeof *out->at);
-    out->value = sp_alloc((size_t)n, sizeof *out->value);
-    if (!out->at || !out->value)
-        return sp_fail_memory(err, (size_t)n * 16);
-    for (int64_t dof = 0; dof < n; dof++) {
-        if (vector[dof] == 0)
-            continue;
-        const double scale = op->scale[op->row_of[dof / op->dof] * (int64_t)op->dof + dof % op->dof];
-        out->at[out->n] = sp_operator_at(op, dof);
-        out->value[out->n++] = vector[dof] * (mass ? mass[dof] : 1) / scale;
-    }
-    return SP_OK;
+    const sp_status status = sp_sparse_row_make(sp_network_dofs(f->net), vector, out, err);
+    if (status == SP_OK)
+        sp_sparse_row_turn(&f->op, mass, out);
+    return status;
 }
 
 static bool any_gap(const sp_network *net, const double *gap) {
@@ -100,26 +86,17 @@ static sp_status make_memory(forward *f, sp_error *err) {
     return fits ? SP_OK : sp_fail_memory(err, 2 * FORWARD_SNAPSHOTS * size * sizeof(double));
 }
 
-/* Squared norm of a lane in a block. */
-static double block_square(const forward *f, int32_t block, int lane) {
-    const sp_operator *op = &f->op;
-    const int kinds = op->kind.rotations ? 2 : 1;
-    double sum = 0;
-    for (int64_t k = op->first[block]; k < op->first[block + 1]; k++)
-        for (int a = 0; a < op->dof; a++) {
-            const double x = f->p.r.u[k * op->row + quad_component(a) + lane];
-            sum += f->p.r.weight[2 * kinds * k + (a >= op->kind.dim)] * x * x;
-        }
-    return sum;
-}
-
 /* Notes which blocks the fields have reached since the last look, FORWARD_STRIDE steps ago. */
 static void look(forward *f) {
-    for (int32_t b = 0; b < f->op.blocks; b++)
+    const recurrence *r = &f->p.r;
+    for (int32_t b = 0; b < f->op.blocks; b++) {
+        if (!r->awake[b] || (f->since[0][b] < INT32_MAX && f->since[1][b] < INT32_MAX))
+            continue;
+        const pair squares = sp_recurrence_block_squares(r, b, r->u);
         for (int q = 0; q < 2; q++)
-            if (f->since[q][b] == INT32_MAX && f->p.r.awake[b] &&
-                block_square(f, b, q) > REACHED * REACHED * f->p.r.start[q])
-                f->since[q][b] = f->p.r.step < FORWARD_STRIDE ? 0 : (int32_t)(f->p.r.step - FORWARD_STRIDE);
+            if (f->since[q][b] == INT32_MAX && squares[q] > REACHED * REACHED * r->start[q])
+                f->since[q][b] = r->step < FORWARD_STRIDE ? 0 : (int32_t)(r->step - FORWARD_STRIDE);
+    }
 }
 
 static void keep(forward *f) {

@@ -17,20 +17,8 @@ bool sp_gradient_masses(unsigned parameters);
 sp_status sp_gradient_make(const sp_products *p, unsigned parameters, const sp_packing *packing, double law,
                            sp_gradient *out, sp_error *err);
 
-sp_status sp_partials_make(int64_t n, sp_partials *out, sp_error *err);
-void sp_partials_free(sp_partials *p);
-
-/* Derivatives by the separation of the centres of each spring, [springs][3], and bounds of their errors, [springs]. */
-sp_status sp_gradient_separations(const sp_products *p, const sp_packing *packing, double **separation, double **error,
-                                  sp_error *err);
-/* Derivatives by the radii at fixed centres. */
-sp_status sp_gradient_radii(const sp_products *p, const sp_packing *packing, sp_partials *out, sp_error *err);
-/* The linear response of the network to its pressure. */
-typedef struct sp_compression_response {
-    double *separation; /* [springs][3] change of the separations */
-    double volume;      /* change of ln V */
-    double error;       /* relative */
-} sp_compression_response;
-sp_status sp_gradient_compress(const sp_network *net, sp_compression_response *out, sp_error *err);
+bool sp_modulus_exists(int dim, sp_modulus which);
+const char *sp_modulus_name(sp_modulus which);
+double sp_modulus_value(const sp_moduli *m, sp_modulus which); /* NAN: not computed */
 
 #endif

@@ -1,6 +1,6 @@
-/* Products at springs. multiply.c and multiply_wide.c include this file after their definitions of vec, AT_ONCE, number
- * and load, as for network/quad_forces.h, and of swap(x), which exchanges the lanes. */
-#include "sensitivity/multiply.h"
+/* Products at springs. reverse_rows.c and multiply_wide.c include this file after their definitions of vec, AT_ONCE,
+ * number and load, as for network/quad_forces.h, and of swap(x), which exchanges the lanes. */
+#include "sensitivity/reverse_rows.h"
 
 enum { SIZE_MAX_OF_SPRING = 6 };
 

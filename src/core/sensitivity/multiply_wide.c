@@ -1,8 +1,6 @@
 /* Products at springs in vectors of eight: four springs, two lanes. */
 #include "base/clones.h"
-#include "sensitivity/multiply.h"
-
-#include <stddef.h>
+#include "sensitivity/reverse_rows.h"
 
 #ifdef MACHINES
 #pragma GCC push_options

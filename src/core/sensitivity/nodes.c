@@ -3,7 +3,7 @@
 
 #include "base/base.h"
 #include "numeric/bessel.h"
-#include "signal/convolve.h"
+#include "signal/job.h"
 
 #include <math.h>
 
@@ -141,8 +141,8 @@ static void cut(sp_moment_weights *w, bool velocity) {
     w->steep = steep + 1e-20 * all * steepness(velocity, w->terms);
 }
 
-static sp_status weights_of(const sp_nodes *nodes, double omega, bool velocity, const double *power,
-                            sp_moment_weights *out, sp_error *err) {
+sp_status sp_nodes_weights(const sp_nodes *nodes, double omega, bool velocity, const double *power,
+                           sp_moment_weights *out, sp_error *err) {
     const int64_t orders = sp_bessel_orders(omega * sp_nodes_last(nodes)) + 2 * ORDER_MAX + 2;
     double *j = sp_alloc((size_t)orders, sizeof *j);
     sp_moment_weights w = {.terms = orders / 2 - ORDER_MAX};
@@ -163,13 +163,4 @@ static sp_status weights_of(const sp_nodes *nodes, double omega, bool velocity, 
     cut(&w, velocity);
     *out = w;
     return SP_OK;
-}
-
-sp_status sp_nodes_weights(const sp_nodes *nodes, double omega, bool velocity, sp_moment_weights *out, sp_error *err) {
-    return weights_of(nodes, omega, velocity, NULL, out, err);
-}
-
-sp_status sp_nodes_law(const sp_nodes *nodes, double omega, bool velocity, double power, sp_moment_weights *out,
-                       sp_error *err) {
-    return weights_of(nodes, omega, velocity, &power, out, err);
 }

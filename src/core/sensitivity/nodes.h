@@ -30,11 +30,11 @@ typedef struct sp_moment_weights {
     double tail;  /* bound of the sum of |C_k| |b^T P_k a| beyond them, in units of |a||b| */
     double steep; /* the same for derivatives: of |C_k| |dP_k/dX| */
 } sp_moment_weights;
-sp_status sp_nodes_weights(const sp_nodes *nodes, double omega, bool velocity, sp_moment_weights *out, sp_error *err);
-/* The weights of the change with the stiffness of all springs, if F(t) becomes s^power F(t sqrt(s)) when they are
- * multiplied by s: (power + order/2) F^(order) + t/2 F^(order + 1). */
-sp_status sp_nodes_law(const sp_nodes *nodes, double omega, bool velocity, double power, sp_moment_weights *out,
-                       sp_error *err);
+/* power: not the weights of the functional, but those of its change with the stiffness of all springs, if F(t) becomes
+ * s^power F(t sqrt(s)) when they are multiplied by s: (power + order/2) F^(order) + t/2 F^(order + 1). NULL: as it is.
+ */
+sp_status sp_nodes_weights(const sp_nodes *nodes, double omega, bool velocity, const double *power,
+                           sp_moment_weights *out, sp_error *err);
 void sp_moment_weights_free(sp_moment_weights *w);
 
 #endif

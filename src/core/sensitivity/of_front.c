@@ -1,7 +1,7 @@
 /* Gradients of the first front, on the continuous signal. */
 #include "base/base.h"
 #include "modes/count.h"
-#include "sensitivity/functional.h"
+#include "sensitivity/forward.h"
 
 #include <float.h>
 #include <math.h>
@@ -28,7 +28,7 @@ static sp_status evaluate(search *s, double t, int order, double *value, double 
     sp_moment_weights w = {0};
     sp_status status = sp_nodes_add(&nodes, s->opt->pulse, s->f.omega, t, order, 1, err);
     if (status == SP_OK)
-        status = sp_nodes_weights(&nodes, s->f.omega, s->f.velocity, &w, err);
+        status = sp_nodes_weights(&nodes, s->f.omega, s->f.velocity, NULL, &w, err);
     if (status == SP_OK)
         status = sp_forward_extend(&s->f, w.terms, err);
     if (status == SP_OK)

@@ -128,8 +128,8 @@ typedef struct component {
     int a, b, other; /* C_ab; other >= 0: half of it and of C_other,other */
 } component;
 
-static bool component_of(const sp_network *net, sp_modulus which, component *out) {
-    const int up = net->dim == 3 ? STRAIN_33_3D : STRAIN_22;
+static bool component_of(int dim, sp_modulus which, component *out) {
+    const int up = dim == 3 ? STRAIN_33_3D : STRAIN_22;
     const component space[] = {{STRAIN_11, STRAIN_11, -1},
                                {STRAIN_11, STRAIN_22, -1},
                                {STRAIN_22, STRAIN_22, -1},
@@ -144,42 +144,51 @@ static bool component_of(const sp_network *net, sp_modulus which, component *out
     if ((int)which < 0 || (int)which >= SP_MODULUS_COUNT)
         return false;
     *out = space[which];
-    if (net->dim == 3)
+    if (dim == 3)
         return true;
     if (which == SP_MODULUS_C33 || which == SP_MODULUS_CT)
         *out = (component){STRAIN_SHEAR, STRAIN_SHEAR, -1};
     const bool chain = which == SP_MODULUS_C22 || which == SP_MODULUS_CL;
-    return net->dim == 1 ? chain : which <= SP_MODULUS_C33 || which >= SP_MODULUS_CL;
+    return dim == 1 ? chain : which <= SP_MODULUS_C33 || which >= SP_MODULUS_CL;
 }
 
-static void value_of(const sp_moduli *m, sp_modulus which, double density, double *value, double *error) {
+bool sp_modulus_exists(int dim, sp_modulus which) {
+    component of;
+    return component_of(dim, which, &of);
+}
+
+const char *sp_modulus_name(sp_modulus which) {
+    static const char *const names[] = {"C11", "C12", "C22", "C33", "C13", "C23", "C44", "C55", "C66", "c_l", "c_t"};
+    return names[which];
+}
+
+double sp_modulus_value(const sp_moduli *m, sp_modulus which) {
     const double values[] = {m->c11, m->c12, m->c22, m->c33, m->c13, m->c23, m->c44, m->c55, m->c66, m->c_l, m->c_t};
+    return values[which];
+}
+
+static double error_of(const sp_moduli *m, sp_modulus which, double density) {
     const double errors[] = {m->error11, m->error12, m->error22, m->error33, m->error13,
                              m->error23, m->error44, m->error55, m->error66};
-    *value = values[which];
-    if (which < SP_MODULUS_CL) {
-        *error = errors[which];
-        return;
-    }
+    if (which < SP_MODULUS_CL)
+        return errors[which];
     const bool space = isfinite(m->c44);
     const double shear = space ? 0.5 * (m->error44 + m->error55) : m->error33;
     const double off = which == SP_MODULUS_CT ? shear : space ? m->error33 : m->error22;
-    *error = off / (2 * density * *value);
+    return off / (2 * density * sp_modulus_value(m, which));
 }
-
-static const char *const names[] = {"C11", "C12", "C22", "C33", "C13", "C23", "C44", "C55", "C66", "c_l", "c_t"};
 
 static sp_status differentiate(responses *r, const sp_moduli *m, double density, sp_modulus which, unsigned parameters,
                                const sp_packing *packing, sp_gradient *out, sp_error *err) {
     component of;
     sp_products p = {0};
-    double value, error;
-    if (!component_of(r->net, which, &of))
-        return sp_fail(err, SP_EINVAL, "%s does not exist in %d dimensions", names[which], r->net->dim);
-    value_of(m, which, density, &value, &error);
+    if (!component_of(r->net->dim, which, &of))
+        return sp_fail(err, SP_EINVAL, "%s does not exist in %d dimensions", sp_modulus_name(which), r->net->dim);
+    const double value = sp_modulus_value(m, which), error = error_of(m, which, density);
     const bool speed = which >= SP_MODULUS_CL;
     if (!isfinite(value) || (speed && !(value > 0)))
-        return sp_fail(err, SP_EREFUSED, "%s is %g for this packing: it has no derivative%s", names[which], value,
+        return sp_fail(err, SP_EREFUSED, "%s is %g for this packing: it has no derivative%s", sp_modulus_name(which),
+                       value,
                        speed && !isfinite(density) ? "; the margin leaves nothing of the box for its density" : "");
     const double weight = (speed ? 1 / (2 * density * value) : 1) * (of.other < 0 ? 1 : 0.5);
     sp_status status = respond(r, of.a, err);

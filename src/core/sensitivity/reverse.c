@@ -2,7 +2,6 @@
 #include "sensitivity/reverse.h"
 
 #include "base/base.h"
-#include "sensitivity/multiply.h"
 #include "sensitivity/reverse_rows.h"
 
 #include <math.h>
@@ -128,19 +127,6 @@ void sp_reverse_products(const reverse *r, int64_t place, double *out) {
         out[a] = 0.5 * (sums[8 * (ptrdiff_t)a] + sums[8 * (ptrdiff_t)a + 1]);
 }
 
-static void set_weights(reverse *r) {
-    const sp_operator *op = r->op;
-    const int kinds = kinds_of(op);
-    for (int64_t k = 0; k < op->n; k++)
-        for (int q = 0; q < kinds; q++) {
-            const int a = q == 1 ? op->kind.dim : 0;
-            const double scale = op->scale[k * op->dof + a];
-            const double m = r->net->mass[(int64_t)op->grain[k] * op->dof + a] / (scale * scale);
-            r->weight[2 * kinds * k + q] = m;
-            r->weight[2 * kinds * k + kinds + q] = 4 / (r->omega * r->omega * m);
-        }
-}
-
 static sp_status allocate(reverse *r, int threads, sp_error *err) {
     const sp_operator *op = r->op;
     const size_t size = vector_size(op), parts = (size_t)threads;
@@ -161,17 +147,17 @@ static sp_status allocate(reverse *r, int threads, sp_error *err) {
     return SP_OK;
 }
 
-sp_status sp_reverse_make(const reverse_plan *plan, reverse *out, sp_error *err) {
-    const int size = plan->net->dof, blocks = plan->op->blocks;
-    const int threads = plan->threads < 1 ? 1 : plan->threads < blocks ? plan->threads : blocks;
-    reverse r = {.op = plan->op,
-                 .net = plan->net,
-                 .omega = plan->omega,
-                 .whole = plan->whole,
-                 .masses = plan->masses,
-                 .width = plan->whole ? size * (size + 1) / 2 : 2};
-    r.of[0] = (reverse_pair){.lane = 0, .since = plan->since[0], .second = plan->velocity};
-    r.of[1] = (reverse_pair){.lane = 1, .since = plan->since[1]};
+sp_status sp_reverse_make(const forward *f, bool whole, bool masses, int threads, reverse *out, sp_error *err) {
+    const int size = f->net->dof, blocks = f->op.blocks;
+    threads = threads < 1 ? 1 : threads < blocks ? threads : blocks;
+    reverse r = {.op = &f->op,
+                 .net = f->net,
+                 .omega = f->omega,
+                 .whole = whole,
+                 .masses = masses,
+                 .width = whole ? size * (size + 1) / 2 : 2};
+    r.of[0] = (reverse_pair){.lane = 0, .since = f->since[0], .second = f->velocity};
+    r.of[1] = (reverse_pair){.lane = 1, .since = f->since[1]};
     sp_status status = allocate(&r, threads, err);
     if (status == SP_OK)
         status = sort_springs(&r, err);
@@ -181,12 +167,12 @@ sp_status sp_reverse_make(const reverse_plan *plan, reverse *out, sp_error *err)
         sp_reverse_free(&r);
         return status;
     }
-    set_weights(&r);
+    sp_recurrence_weights(r.op, r.net->mass, r.omega, r.weight);
     *out = r;
     return SP_OK;
 }
 
-void sp_reverse_start(reverse *r, const double *u, const double *v) {
+static void begin(reverse *r, const double *u, const double *v) {
     const size_t size = vector_size(r->op), quads = (size_t)r->first[r->op->chunk[r->op->blocks]];
     for (int q = 0; q < 2; q++) {
         reverse_pair *p = &r->of[q];
@@ -324,8 +310,8 @@ static void step(reverse *r, int64_t k) {
     retire_blocks(r, k);
 }
 
-static void step_both(reverse *r, int64_t k, int64_t last, const double *d, const double *e) {
-    const double dk = k <= last ? d[k] : 0, ek = k <= last ? e[k] : 0, up = k < last ? e[k + 1] : 0;
+static void step_both(reverse *r, int64_t k, const reverse_work *w) {
+    const double dk = k <= w->last ? w->d[k] : 0, ek = k <= w->last ? w->e[k] : 0, up = k < w->last ? w->e[k + 1] : 0;
     if (k % NORMS_EVERY == 0)
         add_rough(r, k);
     for (int q = 0; q < 2; q++) {
@@ -334,7 +320,7 @@ static void step_both(reverse *r, int64_t k, int64_t last, const double *d, cons
                                  .q = q == 0 ? up : dk,
                                  .d = q == 0 ? dk : ek,
                                  .share = k > 0 || r->of[q].second ? 1 : 0.5,
-                                 .has_adjoint = k <= last};
+                                 .has_adjoint = k <= w->last};
         step(r, k);
     }
 }
@@ -360,19 +346,14 @@ static void end_adjoint(int64_t n, bool second, const double *x, const double *o
         out[k] = second ? x[k] + one[k] : 0.5 * (x[k] + added[k] - two[k]);
 }
 
-typedef struct ending {
-    double *one[2], *two[2], *x, *added;
-} ending;
-
 /* Fields and adjoints at k = 0. The adjoints of the last step need what came before it. */
-static void end(reverse *r, const double *d, const double *e, int64_t last, ending *w, double *out[2],
-                double *const first[2]) {
+static void end(reverse *r, const reverse_work *w) {
     const int64_t n = sp_network_dofs(r->net);
-    const double up = last > 0 ? e[1] : 0;
+    const double up = w->last > 0 ? w->e[1] : 0;
     double *previous = w->x; /* v of the adjoint */
     for (int q = 0; q < 2; q++) {
         const reverse_pair *p = &r->of[q];
-        take_lane(r, p->u, p->lane, first[q]);
+        take_lane(r, p->u, p->lane, w->first[q]);
         take_lane(r, p->u, 1 - p->lane, w->one[q]);
         take_lane(r, p->v, 1 - p->lane, previous);
         for (int64_t k = 0; k < n; k++)
@@ -380,27 +361,20 @@ static void end(reverse *r, const double *d, const double *e, int64_t last, endi
     }
     take_lane(r, r->of[1].v, r->of[1].lane, w->added); /* B_0 - B_1 */
     for (int64_t k = 0; k < n; k++)
-        w->added[k] = (d[0] + up) * first[1][k] - up * w->added[k];
-    step_both(r, 0, last, d, e);
+        w->added[k] = (w->d[0] + up) * w->first[1][k] - up * w->added[k];
+    step_both(r, 0, w);
     for (int q = 0; q < 2; q++) {
         const reverse_pair *p = &r->of[q];
         take_lane(r, p->u, 1 - p->lane, w->x);
         for (int64_t k = 0; k < n && q == 1; k++)
-            w->added[k] = d[0] * first[0][k];
-        end_adjoint(n, p->second, w->x, w->one[q], w->two[q], w->added, out[q]);
+            w->added[k] = w->d[0] * w->first[0][k];
+        end_adjoint(n, p->second, w->x, w->one[q], w->two[q], w->added, w->of[q]);
     }
 }
 
-sp_status sp_reverse_run(reverse *r, int64_t m, int64_t last, const double *d, const double *e, double *alpha,
-                         double *beta, double *a0, double *b0, sp_error *err) {
-    const size_t n = (size_t)sp_network_dofs(r->net);
-    double *work = sp_alloc(6 * n, sizeof *work), *out[2] = {alpha, beta}, *const first[2] = {a0, b0};
-    if (!work)
-        return sp_fail_memory(err, 6 * n * sizeof *work);
-    ending w = {{work, work + n}, {work + 2 * n, work + 3 * n}, work + 4 * n, work + 5 * n};
-    for (int64_t k = m - 1; k > 0; k--)
-        step_both(r, k, last, d, e);
-    end(r, d, e, last, &w, out, first);
-    sp_free(work);
-    return SP_OK;
+void sp_reverse_run(reverse *r, const struct snapshot *from, const reverse_work *w) {
+    begin(r, from->u, from->v);
+    for (int64_t k = from->step - 1; k > 0; k--)
+        step_both(r, k, w);
+    end(r, w);
 }

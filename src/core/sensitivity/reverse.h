@@ -16,8 +16,7 @@
  * derivative dJ = -(4/Omega^2) sum_k (alpha_(k+1).dK A_k + beta_(k+1).dK B_k). */
 
 #include "base/pool.h"
-#include "network/operator.h"
-#include "sensitivity/products.h"
+#include "sensitivity/forward.h"
 #include "sensitivity/reverse_rows.h"
 
 /* Two lanes: a field and its adjoint. */
@@ -35,7 +34,7 @@ typedef struct reverse {
     double omega;
     bool whole, masses;
     reverse_pair of[2]; /* A with alpha in lanes 0 and 1, B with beta in lanes 1 and 0 */
-    int64_t *first;     /* [chunks + 1] first quad of springs of each chunk (multiply.h) */
+    int64_t *first;     /* [chunks + 1] first quad of springs of each chunk (reverse_rows.h) */
     double *quads;
     int32_t *index; /* [quads][4] the spring in the network; -1 for those that fill up a quad */
     int width;
@@ -49,25 +48,23 @@ typedef struct reverse {
     reverse_step step;
 } reverse;
 
-typedef struct reverse_plan {
-    const sp_network *net;
-    const sp_operator *op;
-    double omega;
-    bool velocity; /* A is of the second kind, else of the first as B */
-    bool whole, masses;
-    int threads;
-    const int32_t *since[2]; /* of A and of B, [blocks] */
-} reverse_plan;
+/* What a functional asks of the run, and what it gives. */
+typedef struct reverse_work {
+    int64_t last;
+    double *d, *e;                       /* [last + 2] D_k and E_k for k <= last; they are 0 beyond */
+    double *of[2];                       /* [dofs] the derivatives of J by A_0 and B_0 in the metric of the masses */
+    double *first[2];                    /* [dofs] A_0 and B_0, over the network */
+    double *one[2], *two[2], *x, *added; /* [dofs] scratch */
+    double *memory;                      /* of all arrays */
+} reverse_work;
 
-sp_status sp_reverse_make(const reverse_plan *plan, reverse *out, sp_error *err);
+/* whole, masses: as in sp_products. The forward pass must outlive it. */
+sp_status sp_reverse_make(const forward *f, bool whole, bool masses, int threads, reverse *out, sp_error *err);
 void sp_reverse_free(reverse *r);
 /* Sums of products of a spring, [width], given its place in the quads. */
 void sp_reverse_products(const reverse *r, int64_t place, double *out);
-/* Starts behind step m of a doubled pass with its vectors u and v (lane 0: A, lane 1: B). */
-void sp_reverse_start(reverse *r, const double *u, const double *v);
-/* Runs from k = m - 1 to 0. d, e: D_k and E_k for k <= last, 0 beyond. alpha, beta: [dofs] the derivatives of J by
- * A_0 and B_0 in the metric of the masses, and a0, b0: these vectors, over the network. */
-sp_status sp_reverse_run(reverse *r, int64_t m, int64_t last, const double *d, const double *e, double *alpha,
-                         double *beta, double *a0, double *b0, sp_error *err);
+/* Starts behind step m of a doubled pass with its vectors u and v (lane 0: A, lane 1: B), and runs from k = m - 1 to 0.
+ */
+void sp_reverse_run(reverse *r, const struct snapshot *from, const reverse_work *w);
 
 #endif

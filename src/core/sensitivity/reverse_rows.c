@@ -1,5 +1,5 @@
-/* Moves rows by one step of a reverse pass: v -= step x force, u += v, and the adjoint gets p u - q v of the other pair
- * of vectors. */
+/* Kernels of a reverse pass for any machine. Rows move by one step: v -= step x force, u += v, and the adjoint gets
+ * p u - q v of the other pair of vectors. */
 #include "sensitivity/reverse_rows.h"
 
 #include "base/clones.h"
@@ -91,4 +91,34 @@ CLONES void sp_reverse_advance(int dim, int dof, const reverse_rows *of) {
     case 33: advance_kind(3, 3, of); break;
     default: advance_kind(3, 6, of); break;
     }
+}
+
+/* ---- products at springs, in vectors of two for any machine ---------------------------------------------------- */
+
+typedef pair_memory vec;
+enum { AT_ONCE = 1 };
+
+static ALWAYS_INLINE pair number(const double *quad, int field, int s) {
+    const double x = quad[4 * field + s];
+    return (pair){x, x};
+}
+
+static ALWAYS_INLINE pair swap(pair x) { return (pair){x[1], x[0]}; }
+
+/* Translations as differences, rotations as sums. */
+static ALWAYS_INLINE void load(quad_kind s, const double *u, const int32_t *i, const int32_t *j, vec *c) {
+    const pair_memory *ui = (const pair_memory *)(u + *i), *uj = (const pair_memory *)(u + *j);
+    for (int a = 0; a < s.dim + s.rotations; a++) {
+        const int at = quad_component(a) / 2;
+        c[a] = a < s.dim ? uj[at] - ui[at] : uj[at] + ui[at];
+    }
+}
+
+#include "sensitivity/multiply_quads.h"
+
+void sp_multiply(const multiply_job *job, const double *u) {
+    if (job->whole)
+        multiply_all(true, job, u);
+    else
+        multiply_all(false, job, u);
 }

@@ -1,13 +1,13 @@
 /* Derivatives of the signal at all times. With A_j = P_j M^-1 a and V_i = U_i M^-1 b, moment k changes by -(4/Omega^2)
  * sum over i + j = k - 1 of V_i.dK A_j: the stretches of a spring in both expansions give it by a convolution. */
 #include "base/base.h"
+#include "base/vector.h"
 #include "modes/count.h"
 #include "network/place.h"
 #include "numeric/bessel.h"
 #include "sensitivity/forward.h"
 #include "sensitivity/gradient.h"
 #include "sensitivity/products.h"
-#include "signal/expansion.h"
 
 #include <float.h>
 #include <math.h>
@@ -150,13 +150,6 @@ static void sum_times(const times_job *job, const double *moments, double *out) 
     }
 }
 
-static double norm_of(int64_t n, const double *x) {
-    double sum = 0;
-    for (int64_t k = 0; k < n; k++)
-        sum += x[k] * x[k];
-    return sqrt(sum);
-}
-
 /* Both derivatives of one spring from its stretches. */
 static void differentiate(times_job *job, int32_t k, const double *a, const double *v, double *kn, double *kt,
                           double *error) {
@@ -169,7 +162,7 @@ static void differentiate(times_job *job, int32_t k, const double *a, const doub
         for (int part = which; part < (which == 0 ? 1 : job->parts); part++) {
             convolve(job->terms, f->velocity, factor, a + part * stride, v + part * stride, moments);
             add_places(job, k, part, a + part * stride, v + part * stride, moments);
-            size += norm_of(job->terms, a + part * stride) * norm_of(job->terms, v + part * stride);
+            size += sp_norm(job->terms, a + part * stride) * sp_norm(job->terms, v + part * stride);
         }
         if (to)
             sum_times(job, moments, to);

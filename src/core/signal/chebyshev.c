@@ -1,6 +1,5 @@
 /* Signals by the Chebyshev expansion, for all sources and detectors. */
 #include "base/base.h"
-#include "signal/expansion.h"
 #include "signal/job.h"
 #include "signal/pass.h"
 
@@ -11,47 +10,10 @@
 /* limit of the number of moments; times per sum; parts of the time in which a front is sought */
 enum { TERMS_MAX = 20000000, TIMES = 4096, PARTS = 48 };
 
-/* Sources or detectors as sparse rows in the operator's order. */
-typedef struct places {
-    int32_t n;
-    sparse_row *row;
-    int64_t *at;
-    double *value;
-} places;
-
-static void places_free(places *p) {
-    sp_free(p->row);
-    sp_free(p->at);
-    sp_free(p->value);
-}
-
-/* mass: factor that makes momenta of displacements; NULL: none. */
-static sp_status places_make(const sp_operator *op, const signal_rows *from, const double *mass, places *out,
-                             sp_error *err) {
-    const size_t count = (size_t)from->first[from->n];
-    out->n = from->n;
-    out->row = sp_alloc((size_t)from->n, sizeof *out->row);
-    out->at = sp_alloc(count, sizeof *out->at);
-    out->value = sp_alloc(count, sizeof *out->value);
-    if (!out->row || !out->at || !out->value)
-        return sp_fail_memory(err, count * 16);
-    for (int32_t q = 0; q < from->n; q++) {
-        const int64_t first = from->first[q];
-        out->row[q] = (sparse_row){from->first[q + 1] - first, out->at + first, out->value + first};
-        for (int64_t k = first; k < from->first[q + 1]; k++) {
-            const int64_t dof = from->dof[k], row = op->row_of[dof / op->dof], a = dof % op->dof;
-            out->at[k] = sp_operator_at(op, dof);
-            out->value[k] = from->value[k] * (mass ? mass[dof] : 1) / op->scale[row * op->dof + a];
-        }
-    }
-    return SP_OK;
-}
-
 /* All passes of a signal. Each pass propagates two sources, or two detectors if these are fewer. */
 typedef struct passes {
     const signal_job *job;
     sp_operator op;
-    places from, to;
     bool doubled, reversed; /* reversed: detectors are propagated */
     int32_t n;
     int64_t terms;
@@ -66,8 +28,6 @@ static void passes_free(passes *a) {
     sp_free(a->pass);
     sp_free(a->f);
     sp_free(a->errors);
-    places_free(&a->from);
-    places_free(&a->to);
     sp_operator_free(&a->op);
 }
 
@@ -92,12 +52,12 @@ static sp_status passes_make(const signal_job *job, double omega, int64_t terms,
     a->n = (propagated + 1) / 2;
     sp_status status = sp_operator_make(job->net, &a->op, err);
     a->op.kind.transposed = a->reversed && job->net->carried;
-    if (status == SP_OK)
-        status = places_make(&a->op, &job->from, job_has_momenta(job) ? NULL : job->net->mass, &a->from, err);
-    if (status == SP_OK)
-        status = places_make(&a->op, &job->to, NULL, &a->to, err);
     if (status != SP_OK)
         return status;
+    for (int32_t k = 0; k < job->sources; k++)
+        sp_sparse_row_turn(&a->op, job_has_momenta(job) ? NULL : job->net->mass, &job->from[k]);
+    for (int32_t k = 0; k < job->detectors; k++)
+        sp_sparse_row_turn(&a->op, NULL, &job->to[k]);
     const size_t columns = (propagated > 1 ? 2 : 1) * (size_t)observers;
     a->pass = sp_alloc((size_t)a->n, sizeof *a->pass);
     a->f = sp_alloc(columns, TIMES * sizeof *a->f);
@@ -106,19 +66,20 @@ static sp_status passes_make(const signal_job *job, double omega, int64_t terms,
 }
 
 static sp_status begin_pass(passes *a, int32_t q, sp_error *err) {
-    const places *propagated = a->reversed ? &a->to : &a->from, *observers = a->reversed ? &a->from : &a->to;
+    const signal_job *job = a->job;
+    const int32_t propagated = a->reversed ? job->detectors : job->sources;
     const pass_plan plan = {.op = &a->op,
-                            .mass = a->job->net->mass,
+                            .mass = job->net->mass,
                             .omega = a->omega,
-                            .threads = a->job->options->threads,
-                            .velocity = job_has_momenta(a->job),
+                            .threads = job->options->threads,
+                            .velocity = job_has_momenta(job),
                             .doubled = a->doubled,
-                            .spread = sp_expansion_spread(a->job->net),
+                            .spread = sp_expansion_spread(job->net),
                             .terms = a->terms,
-                            .lanes = propagated->n - 2 * q < 2 ? 1 : 2,
-                            .observer_count = observers->n,
-                            .propagated = propagated->row + 2 * q,
-                            .observers = observers->row};
+                            .lanes = propagated - 2 * q < 2 ? 1 : 2,
+                            .observer_count = a->reversed ? job->sources : job->detectors,
+                            .propagated = (a->reversed ? job->to : job->from) + 2 * q,
+                            .observers = a->reversed ? job->from : job->to};
     return sp_pass_make(&plan, &a->pass[q], err);
 }
 

@@ -2,8 +2,7 @@
 #include "base/base.h"
 #include "modes/count.h"
 #include "numeric/bessel.h"
-#include "signal/expansion.h"
-#include "signal/recurrence.h"
+#include "signal/pass.h"
 
 #include <float.h>
 #include <math.h>
@@ -33,8 +32,7 @@ typedef struct field {
 static void field_free(field *f) {
     sp_recurrence_free(&f->r);
     sp_operator_free(&f->op);
-    sp_free(f->from.at);
-    sp_free(f->from.value);
+    sp_sparse_row_free(&f->from);
     sp_free(f->j);
     sp_free(f->tail);
     sp_free(f->sum);
@@ -55,24 +53,17 @@ static sp_status check(const sp_field_options *spec, double omega, double *until
     return SP_OK;
 }
 
-/* The source in the operator's order; displacements are multiplied by masses. */
 static sp_status make_source(field *f, sp_error *err) {
     const sp_place wall = sp_place_wall();
     const int64_t n = sp_network_dofs(f->net);
-    const sp_operator *op = &f->op;
     double *vector = sp_alloc((size_t)n, sizeof *vector);
-    f->from.at = sp_alloc((size_t)n, sizeof *f->from.at);
-    f->from.value = sp_alloc((size_t)n, sizeof *f->from.value);
-    sp_status status = vector && f->from.at && f->from.value ? SP_OK : sp_fail_memory(err, (size_t)n * 24);
+    sp_status status = vector ? SP_OK : sp_fail_memory(err, (size_t)n * sizeof *vector);
     if (status == SP_OK)
         status = sp_network_source_at(f->net, f->spec->source, f->spec->from ? f->spec->from : &wall, vector, err);
-    for (int64_t dof = 0; dof < n && status == SP_OK; dof++) {
-        if (vector[dof] == 0)
-            continue;
-        const int64_t row = op->row_of[dof / op->dof], a = dof % op->dof;
-        f->from.at[f->from.n] = sp_operator_at(op, dof);
-        f->from.value[f->from.n++] = vector[dof] * (f->velocity ? 1 : f->net->mass[dof]) / op->scale[row * op->dof + a];
-    }
+    if (status == SP_OK)
+        status = sp_sparse_row_make(n, vector, &f->from, err);
+    if (status == SP_OK)
+        sp_sparse_row_turn(&f->op, f->velocity ? NULL : f->net->mass, &f->from);
     sp_free(vector);
     return status;
 }

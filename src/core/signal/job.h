@@ -2,34 +2,33 @@
 #define SP_SIGNAL_JOB_H
 /* Input and output of every method for signals. */
 
-#include <sonopack/signal.h>
+#include "signal/recurrence.h"
 
-/* Sparse vectors over the degrees of freedom of the network. */
-typedef struct signal_rows {
-    int32_t n;
-    int64_t *first; /* [n + 1] */
-    int64_t *dof;   /* [first[n]] */
-    double *value;
-    size_t capacity; /* of dof and value */
-} signal_rows;
+#include <sonopack/front.h>
+#include <sonopack/pulse.h>
 
 typedef struct signal_job {
     const sp_network *net;
     const sp_packing *packing; /* packing from which the network was made; NULL: unknown */
     const sp_signal_options *options;
     int32_t sources, detectors;
-    signal_rows from, to;                      /* sources (momenta or displacements at t = 0), and detectors */
-    double *source_vectors, *detector_vectors; /* the same, dense: [sources][dofs] and [detectors][dofs]; NULL for
-                                                  methods that use sparse rows */
+    /* Sources (momenta or displacements at t = 0) and detectors, [sources] and [detectors]: rows, which the method may
+     * turn into its operator's order, or vectors [dofs] each; the other one is NULL. */
+    sparse_row *from, *to;
+    double *source_vectors, *detector_vectors;
+    double *source_norms, *detector_norms; /* in the metric of the masses */
 } signal_job;
 
-/* dense: also make the dense vectors. */
+/* dense: vectors, else rows. */
 sp_status sp_job_make(const sp_network *net, const sp_signal_options *o, bool dense, signal_job *job, sp_error *err);
 void sp_job_free(signal_job *job);
 
 /* Allocates *s for all pairs and sets its times. After a failure the caller frees *s with sp_signal_free as well. */
 sp_status sp_signal_allocate(const sp_signal_options *o, int32_t sources, int32_t detectors, sp_signal *s,
                              sp_error *err);
+
+/* The first front of a signal, by the usual rule. */
+sp_status sp_signal_front(const sp_network *net, const sp_signal_options *opt, sp_front *out, sp_error *err);
 
 /* A method. It fills s->f, s->errors and s->products, and s->omega_max if it has a better bound than the network's. t,
  * n, sources and detectors are set on entry; f and errors are zero. */
@@ -59,5 +58,25 @@ sp_status sp_signal_by_chebyshev(const signal_job *job, sp_signal *s, sp_error *
 sp_status sp_signal_by_lowest_modes(const signal_job *job, sp_signal *s, sp_error *err);
 /* Sum over all modes of the dense solver, Eq. (3). */
 sp_status sp_signal_by_modes(const signal_job *job, sp_signal *s, sp_error *err);
+
+/* ---- costs ------------------------------------------------------------------------------------------------------ */
+
+/* What of a network decides the cost. */
+typedef struct sp_signal_problem {
+    double dofs, springs, omega; /* omega: upper bound of the spectrum */
+    int dim;
+    bool carried; /* K is not symmetric */
+} sp_signal_problem;
+/* Estimated time in nanoseconds on one core of 2023; only ratios matter. HUGE_VAL: the method does not support these
+ * options. */
+double sp_signal_problem_cost(sp_signal_method method, const sp_signal_problem *problem, const sp_signal_options *o);
+
+enum { SIGNAL_CHOICES = 4 };
+/* The methods that support these options, cheapest first; returns their number, at least 1. The later ones are
+ * alternatives if earlier ones miss the tolerance; they take at most ten seconds or ten times as long as the first. */
+int sp_signal_choose(const sp_network *net, const sp_signal_options *o, sp_signal_method choice[SIGNAL_CHOICES]);
+
+/* Length of a panel in which both the pulse and a response with frequencies up to omega are smooth for Gauss's rule. */
+double sp_pulse_panel(const sp_pulse *p, double omega);
 
 #endif

@@ -64,7 +64,7 @@ static void add_coupling(const signal_job *job, const sp_modes *m, int64_t n, co
     p->coupled += push * push * sum;
 }
 
-static sp_status couple(const signal_job *job, const sp_modes *m, int64_t pairs, modal_pair *pair, sp_error *err) {
+static sp_status couple(const signal_job *job, const sp_modes *m, int64_t pairs, modal_pair *each, sp_error *err) {
     enum { BLOCK = 64 };
     const int64_t n = m->dofs;
     const double omega = sp_network_omega_bound(job->net), noise = 4 * DBL_EPSILON * omega * omega / sqrt((double)n);
@@ -80,7 +80,7 @@ static sp_status couple(const signal_job *job, const sp_modes *m, int64_t pairs,
         sp_project(n, n, m->vectors, many, r, product);
         for (int64_t k = 0; k < pairs; k++)
             for (int c = 0; c < many; c++)
-                add_coupling(job, m, first + c, product + c * n, noise, &pair[k]);
+                add_coupling(job, m, first + c, product + c * n, noise, &each[k]);
     }
     sp_free(r);
     return SP_OK;
@@ -105,7 +105,7 @@ static double modal_error(const signal_job *job, const sp_modes *m, const modal_
 }
 
 /* wave: [modes] scratch. */
-static void add_modes(const sp_modes *m, const modal_pair *pair, bool momenta, double *wave, sp_signal *s) {
+static void add_modes(const sp_modes *m, const modal_pair *each, bool momenta, double *wave, sp_signal *s) {
     const double *omega = omegas(m);
     for (int32_t l = 0; l < s->n; l++) {
         for (int64_t k = 0; k < m->dofs; k++) {
@@ -118,7 +118,7 @@ static void add_modes(const sp_modes *m, const modal_pair *pair, bool momenta, d
         for (int64_t q = 0; q < (int64_t)s->sources * s->detectors; q++) {
             double sum = 0;
             for (int64_t k = 0; k < m->dofs; k++)
-                sum += pair[q].a->c[k] * pair[q].b->c[k] * wave[k];
+                sum += each[q].a->c[k] * each[q].b->c[k] * wave[k];
             s->f[q * s->n + l] = sum;
         }
     }
@@ -128,18 +128,18 @@ sp_status sp_signal_by_modes(const signal_job *job, sp_signal *s, sp_error *err)
     sp_modes m = sp_modes_none();
     const sp_modes_options how = {.vectors = true, .source = job->options->source};
     const int64_t pairs = (int64_t)s->sources * s->detectors, places = (int64_t)s->sources + s->detectors;
-    modal_pair *pair = NULL;
+    modal_pair *each = NULL;
     modal_projection *projection = NULL; /* sources, then detectors */
     double *numbers = NULL;
     sp_status status = sp_modes_dense(job->net, &how, &m, err);
     if (status != SP_OK)
         goto out;
-    pair = sp_alloc((size_t)pairs, sizeof *pair);
+    each = sp_alloc((size_t)pairs, sizeof *each);
     projection = sp_alloc((size_t)places, sizeof *projection);
     numbers = sp_alloc((size_t)places + 1, (size_t)m.dofs * sizeof *numbers);
-    if (!pair || !projection || !numbers) {
+    if (!each || !projection || !numbers) {
         status =
-            sp_fail_memory(err, (size_t)pairs * sizeof *pair + (size_t)(places + 1) * (size_t)m.dofs * sizeof *numbers);
+            sp_fail_memory(err, (size_t)pairs * sizeof *each + (size_t)(places + 1) * (size_t)m.dofs * sizeof *numbers);
         goto out;
     }
     double *scratch = numbers + places * m.dofs;
@@ -150,15 +150,15 @@ sp_status sp_signal_by_modes(const signal_job *job, sp_signal *s, sp_error *err)
                 &projection[k]);
     }
     for (int64_t k = 0; k < pairs; k++)
-        pair[k] = (modal_pair){.a = &projection[k / s->detectors], .b = &projection[s->sources + k % s->detectors]};
-    add_modes(&m, pair, job_has_momenta(job), scratch, s);
-    status = couple(job, &m, pairs, pair, err);
+        each[k] = (modal_pair){.a = &projection[k / s->detectors], .b = &projection[s->sources + k % s->detectors]};
+    add_modes(&m, each, job_has_momenta(job), scratch, s);
+    status = couple(job, &m, pairs, each, err);
     for (int64_t k = 0; k < pairs && status == SP_OK; k++)
-        s->errors[k] = modal_error(job, &m, &pair[k]);
+        s->errors[k] = modal_error(job, &m, &each[k]);
 out:
     sp_free(numbers);
     sp_free(projection);
-    sp_free(pair);
+    sp_free(each);
     sp_modes_free(&m);
     return status;
 }

@@ -15,6 +15,35 @@ enum { BLOCKS_SHARED = 32, DOF_MAX = 6, LINE = 8 };
 /* Vectors of this many bytes exceed all caches, so results are written past the caches. */
 #define PAST_CACHES (1.6e7)
 
+sp_status sp_sparse_row_make(int64_t n, const double *vector, sparse_row *out, sp_error *err) {
+    int64_t count = 0;
+    for (int64_t k = 0; k < n; k++)
+        count += vector[k] != 0;
+    *out = (sparse_row){0, sp_alloc((size_t)count, sizeof *out->at), sp_alloc((size_t)count, sizeof *out->value)};
+    if (!out->at || !out->value)
+        return sp_fail_memory(err, (size_t)count * (sizeof *out->at + sizeof *out->value));
+    for (int64_t k = 0; k < n; k++)
+        if (vector[k] != 0) {
+            out->at[out->n] = k;
+            out->value[out->n++] = vector[k];
+        }
+    return SP_OK;
+}
+
+void sp_sparse_row_free(sparse_row *row) {
+    sp_free(row->at);
+    sp_free(row->value);
+    *row = (sparse_row){0};
+}
+
+void sp_sparse_row_turn(const sp_operator *op, const double *mass, sparse_row *row) {
+    for (int64_t k = 0; k < row->n; k++) {
+        const int64_t dof = row->at[k], of = op->row_of[dof / op->dof];
+        row->at[k] = sp_operator_at(op, dof);
+        row->value[k] = row->value[k] * (mass ? mass[dof] : 1) / op->scale[of * op->dof + dof % op->dof];
+    }
+}
+
 void sp_recurrence_free(recurrence *r) {
     sp_pool_free(r->pool);
     if (r->next != r->u)
@@ -33,15 +62,14 @@ void sp_recurrence_free(recurrence *r) {
 /* Masses of a grain: of translations, and of rotations. */
 static int kinds_of(const sp_operator *op) { return op->kind.rotations ? 2 : 1; }
 
-static void set_weights(recurrence *r, const double *mass, double omega) {
-    const sp_operator *op = r->op;
+void sp_recurrence_weights(const sp_operator *op, const double *mass, double omega, double *weight) {
     const int kinds = kinds_of(op);
     for (int64_t k = 0; k < op->n; k++)
         for (int q = 0; q < kinds; q++) {
             const int a = q == 1 ? op->kind.dim : 0;
             const double scale = op->scale[k * op->dof + a];
             const double m = mass[(int64_t)op->grain[k] * op->dof + a] / (scale * scale);
-            double *w = r->weight + 2 * kinds * k;
+            double *w = weight + 2 * kinds * k;
             w[q] = m;
             w[kinds + q] = 4 / (omega * omega * m);
         }
@@ -67,7 +95,7 @@ sp_status sp_recurrence_make(const sp_operator *op, const double *mass, double o
     else
         status = sp_pool_make(threads, &r.pool, err);
     if (status == SP_OK)
-        set_weights(&r, mass, omega);
+        sp_recurrence_weights(op, mass, omega, r.weight);
     r.past_caches = (double)size * sizeof(double) > PAST_CACHES;
     if (status == SP_OK)
         *out = r;
@@ -269,7 +297,7 @@ static void advance_chunk(const recurrence *r, int32_t chunk, double *force, rec
         advance(op->kind.dim, op->dof, of, sum);
 }
 
-static pair block_squares(const recurrence *r, int32_t block, const double *u) {
+pair sp_recurrence_block_squares(const recurrence *r, int32_t block, const double *u) {
     const sp_operator *op = r->op;
     pair sum = {0, 0};
     for (int64_t k = op->first[block]; k < op->first[block + 1]; k++)
@@ -284,7 +312,7 @@ static pair block_squares(const recurrence *r, int32_t block, const double *u) {
 /* Wakes a block, or drops what has arrived in it. */
 static uint8_t wake(const recurrence *r, int32_t block) {
     const sp_operator *op = r->op;
-    const pair squares = block_squares(r, block, r->next);
+    const pair squares = sp_recurrence_block_squares(r, block, r->next);
     const double tiny = op->kind.carried ? 0 : TINY; /* with a nonsymmetric K, what is dropped might have grown */
     if (squares[0] > tiny * r->start[0] || squares[1] > tiny * r->start[1] || !isfinite(squares[0] + squares[1]))
         return 1;
@@ -386,6 +414,6 @@ pair sp_recurrence_squares(const recurrence *r) {
     pair sum = {0, 0};
     for (int32_t b = 0; b < r->op->blocks; b++)
         if (r->awake[b])
-            sum += block_squares(r, b, r->u);
+            sum += sp_recurrence_block_squares(r, b, r->u);
     return sum;
 }

@@ -6,12 +6,17 @@
 #include "base/pool.h"
 #include "network/operator.h"
 
-/* A sparse vector in an operator's order, with the units of forces. */
+/* A sparse vector over the network, or in an operator's order with the units of forces. */
 typedef struct sparse_row {
     int64_t n;
-    int64_t *at; /* [n] index in lane 0 */
+    int64_t *at; /* [n] degree of freedom, or index in lane 0 */
     double *value;
 } sparse_row;
+/* The numbers of a vector [n] that are not 0. Free the row after a failure, too. */
+sp_status sp_sparse_row_make(int64_t n, const double *vector, sparse_row *out, sp_error *err);
+void sp_sparse_row_free(sparse_row *row);
+/* From the network's order to the operator's. mass: factors that make momenta of displacements; NULL: none. */
+void sp_sparse_row_turn(const sp_operator *op, const double *mass, sparse_row *row);
 
 typedef struct recurrence {
     const sp_operator *op;
@@ -60,7 +65,10 @@ static inline double signal_size(int64_t dofs, double terms, double norms) {
 }
 /* Norm of M^-1 row in the metric of the masses. */
 double sp_recurrence_norm(const recurrence *r, const sparse_row *row);
-/* Squared norms of both lanes in the metric of the masses. */
+/* Masses and 4/(Omega^2 m) of each grain, as in `weight`. */
+void sp_recurrence_weights(const sp_operator *op, const double *mass, double omega, double *weight);
+/* Squared norms of both lanes of a block of u, and of U_k, in the metric of the masses. */
+pair sp_recurrence_block_squares(const recurrence *r, int32_t block, const double *u);
 pair sp_recurrence_squares(const recurrence *r);
 
 #endif

@@ -2,11 +2,10 @@
 #include "base/base.h"
 #include "network/bound.h"
 #include "network/network_cell.h"
+#include "signal/job.h"
 
 #include <math.h>
 #include <sonopack/coherent.h>
-#include <sonopack/front.h>
-#include <sonopack/signal.h>
 
 enum { LEAST_PLANES = 8, MOST_PLANES = 100000 };
 
@@ -21,27 +20,18 @@ static void set_damping(const sp_coherent_section_options *opt, sp_signal_option
     o->damping_ratio = opt->damping_ratio;
 }
 
-/* t10 at the top wall, as in the table of fronts. */
-static sp_status arrival(const sp_network *net, const sp_coherent_section_options *opt, double height, double *t10,
-                         sp_error *err) {
+/* The front at the top wall, as in the table of fronts. */
+static sp_status find_front(const sp_network *net, const sp_coherent_section_options *opt, double height, sp_front *out,
+                            sp_error *err) {
     sp_signal_options o = sp_signal_options_default();
-    sp_signal signal = sp_signal_none();
-    sp_front front;
-    const sp_front_options rule = sp_front_options_default();
+    const sp_place wall = {.kind = SP_PLACE_WALL, .shear = opt->shear};
     set_damping(opt, &o);
     o.source = opt->source;
     o.until = (opt->shear ? 2 : 1) * sp_signal_window(height, net->pressure); /* shear takes up to twice as long */
     o.points = (int32_t)ceil(20 * height) + 200;
-    const sp_place wall = {.kind = SP_PLACE_WALL, .shear = opt->shear};
     o.sources = o.detectors = 1;
     o.from = o.to = &wall;
-    sp_status status = sp_signal_make(net, &o, &signal, err);
-    if (status == SP_OK)
-        status = sp_front_find(signal.n, signal.t, signal.f, &rule, &front, err);
-    sp_signal_free(&signal);
-    if (status == SP_OK)
-        *t10 = front.t10;
-    return status;
+    return sp_signal_front(net, &o, out, err);
 }
 
 static sp_status alloc_section(int32_t planes, sp_coherent_section *s, sp_place **place, sp_error *err) {
@@ -127,17 +117,17 @@ sp_status sp_coherent_section_make(const sp_network *net, const sp_coherent_sect
     const double height = net->box[net->dim - 1];
     sp_coherent_section s = sp_coherent_section_none();
     sp_place *place = NULL;
-    double t10 = 0;
+    sp_front front = {0};
     int32_t planes = 0;
     sp_status status = check(opt, height, &planes, err);
     if (status == SP_OK)
         status = sp_network_need_walls(net, "a wave that leaves a wall", err);
     if (status == SP_OK)
-        status = arrival(net, opt, height, &t10, err);
+        status = find_front(net, opt, height, &front, err);
     if (status == SP_OK)
         status = alloc_section(planes, &s, &place, err);
     if (status == SP_OK)
-        status = place_planes(net, opt, planes, t10, &s, place, err);
+        status = place_planes(net, opt, planes, front.t10, &s, place, err);
     if (status == SP_OK)
         status = record(net, opt, s.until[0], place, &s, err);
     if (status == SP_OK)

@@ -2,7 +2,6 @@
 #include "base/base.h"
 #include "base/vector.h"
 #include "modes/count.h"
-#include "signal/choose.h"
 #include "signal/job.h"
 
 #include <math.h>
@@ -107,6 +106,16 @@ static sp_status check_errors(const signal_job *job, sp_signal *s, sp_error *err
 
 sp_status sp_signal_make(const sp_network *net, const sp_signal_options *opt, sp_signal *out, sp_error *err) {
     return sp_signal_compute(NULL, net, opt, out, err);
+}
+
+sp_status sp_signal_front(const sp_network *net, const sp_signal_options *opt, sp_front *out, sp_error *err) {
+    const sp_front_options rule = sp_front_options_default();
+    sp_signal s = sp_signal_none();
+    sp_status status = sp_signal_make(net, opt, &s, err);
+    if (status == SP_OK)
+        status = sp_front_find(s.n, s.t, s.f, &rule, out, err);
+    sp_signal_free(&s);
+    return status;
 }
 
 /* *unsure: the method succeeded but its error bound exceeds the tolerance. */

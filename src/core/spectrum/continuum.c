@@ -9,7 +9,6 @@
 
 /* polynomials for each component: one and a half times as many as 24 half waves need */
 enum { BASIS = 48, SIZE = 2 * BASIS, COUNT_MAX = BASIS / 2 };
-static const double PI = 3.14159265358979323846;
 
 /* ---- the strip ------------------------------------------------------------------------------------------------ */
 
@@ -116,8 +115,8 @@ static void name_mode(const sp_moduli *m, double phi3s, const double box[2], sp_
         basis_at(2 * at - 1, phi);
         const double v = sum_of(out->v, phi), w = sum_of(out->w, phi);
         for (int n2 = 1; n2 < COUNT_MAX + 2; n2++) {
-            sine[n2][0] += v * sin(n2 * PI * at);
-            sine[n2][1] += w * sin(n2 * PI * at);
+            sine[n2][0] += v * sin(n2 * M_PI * at);
+            sine[n2][1] += w * sin(n2 * M_PI * at);
         }
     }
     for (int n2 = 1; n2 < COUNT_MAX + 2; n2++) {
@@ -127,7 +126,7 @@ static void name_mode(const sp_moduli *m, double phi3s, const double box[2], sp_
             out->n2 = n2;
         }
     }
-    plane_squares(m, phi3s, 2 * PI * out->n1 / box[0], PI * out->n2 / box[1], square);
+    plane_squares(m, phi3s, 2 * M_PI * out->n1 / box[0], M_PI * out->n2 / box[1], square);
     out->fast = fabs(sqrt(square[1]) - out->omega) < fabs(sqrt(fmax(0, square[0])) - out->omega);
     out->omega_plane = sqrt(fmax(0, square[out->fast]));
 }
@@ -144,7 +143,7 @@ sp_status sp_strip_modes(const sp_moduli *m, double phi3s, const double box[2], 
     if (!a)
         return sp_fail_memory(err, (2 * SIZE * SIZE + SIZE) * sizeof *a);
     double *b = a + SIZE * SIZE, *w = b + SIZE * SIZE;
-    strip_matrices(m, phi3s, 2 * PI * n1 / box[0], box[1], a, b);
+    strip_matrices(m, phi3s, 2 * M_PI * n1 / box[0], box[1], a, b);
     reduce(a, b);
     sp_status status = sp_eigen_all(SIZE, a, w, err);
     for (int32_t k = 0; k < count && status == SP_OK; k++) {
@@ -171,7 +170,7 @@ void sp_continuum_free(sp_continuum *c) {
 /* The mode at the centres of the grains, mass weighted, translations only: [2][n][2], the cosine and the sine of v,
  * made orthonormal. For n1 = 0 there is only one. Returns their number. */
 static int field_at(const sp_network *net, const sp_strip_mode *mode, double *field) {
-    const double k1 = 2 * PI * mode->n1 / net->box[0];
+    const double k1 = 2 * M_PI * mode->n1 / net->box[0];
     const int64_t n = 2 * (int64_t)net->n;
     for (int32_t i = 0; i < net->n; i++) {
         double phi[BASIS];

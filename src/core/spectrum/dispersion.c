@@ -10,8 +10,6 @@
 #include <sonopack/spectrum.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
-
 enum { WAVES_MAX = 100000, PROFILE_MAX = 1000000, MOMENTS_MAX = 10000000 };
 
 sp_dispersion_options sp_dispersion_options_default(void) { return (sp_dispersion_options){.waves = 8}; }
@@ -96,11 +94,11 @@ static void wave_vector(const sp_network *net, const sp_dispersion_options *o, i
     const int axis = axis_of(net, o);
     sp_network_reciprocal(net, axis, k);
     for (int a = 0; a < 3; a++)
-        k[a] *= 2 * PI * n;
+        k[a] *= 2 * M_PI * n;
     if (sp_network_periodic(net, axis))
-        k[axis] = 2 * PI * n / net->box[axis];
+        k[axis] = 2 * M_PI * n / net->box[axis];
     else
-        k[axis] = PI * n / (net->box[axis] + 2 * o->node);
+        k[axis] = M_PI * n / (net->box[axis] + 2 * o->node);
 }
 
 /* The wave as displacements: the cosine and sine of a plane wave, which form a complex wave, or a single standing wave;
@@ -178,7 +176,7 @@ static double crossing(const spectral *s, double half, double a, double b) {
 /* Where S falls to `half` on one side of the peak, in steps of the grid from index `best`; NAN: nowhere. */
 static double half_point(const spectral *s, double half, double peak, int64_t best, int64_t step, int64_t steps) {
     for (int64_t l = best + step; l >= 0 && l < steps; l += step) {
-        const double at = s->omega * sin(0.5 * (PI / (double)steps) * (double)l);
+        const double at = s->omega * sin(0.5 * (M_PI / (double)steps) * (double)l);
         if (value(s, at) <= half)
             return crossing(s, half, peak, at);
     }
@@ -189,7 +187,7 @@ static double half_point(const spectral *s, double half, double peak, int64_t be
  * search. */
 static void find_peak(const spectral *s, sp_dispersion_point *w) {
     const int64_t steps = 4 * s->n;
-    const double turn = PI / (double)steps;
+    const double turn = M_PI / (double)steps;
     int64_t best = 0;
     double most = -HUGE_VAL;
     for (int64_t l = 0; l < steps; l++) {

@@ -1,4 +1,4 @@
-/* Density of states. */
+/* Density of states, and participation ratios in bins of frequency. */
 #include "base/base.h"
 #include "base/pool.h"
 #include "modes/count.h"
@@ -12,8 +12,6 @@
 #include <string.h>
 
 enum { EXACT_DOFS = 3000, VECTORS_MAX = 10000, BINS_MAX = 1000000, MOMENTS_MAX = 10000000, DRAWN = 200000 };
-
-static const double PI = 3.14159265358979323846;
 
 sp_dos_options sp_dos_options_default(void) { return (sp_dos_options){.bins = 100, .seed = 1, .threads = 1}; }
 
@@ -101,7 +99,7 @@ static void bound_smooth(const sp_modes *m, const double *g, sp_dos *d) {
         sum += 2 * g[k] * (double)k * (turns + 8 * (double)k * many * DBL_EPSILON);
     for (int32_t b = 0; b < d->bins; b++) {
         const double s = middle(d, b) / omega;
-        d->smooth_error[b] = s < 1 ? 2 * sum / (PI * omega * sqrt(1 - s * s)) : 0;
+        d->smooth_error[b] = s < 1 ? 2 * sum / (M_PI * omega * sqrt(1 - s * s)) : 0;
     }
 }
 
@@ -231,17 +229,17 @@ static sp_status find_trace(trace *t, int threads, sp_error *err) {
 /* Running mean and variance (Welford 1962). */
 typedef struct running {
     double mean, squares;
-    int32_t n;
+    int64_t n;
 } running;
 
 static void add_value(running *r, double x) {
     const double before = x - r->mean;
     r->n++;
-    r->mean += before / r->n;
+    r->mean += before / (double)r->n;
     r->squares += before * (x - r->mean);
 }
 
-static double standard_error(const running *r) { return sqrt(r->squares / (r->n - 1) / r->n); }
+static double standard_error(const running *r) { return sqrt(r->squares / (double)(r->n - 1) / (double)r->n); }
 
 static void put_estimates(const trace *t, const double *g, sp_dos *d) {
     const double omega = d->omega_max;
@@ -354,4 +352,42 @@ sp_status sp_dos_make(const sp_network *net, const sp_dos_options *opt, sp_dos *
         sp_dos_free(&d);
     }
     return status;
+}
+
+/* ---- participation ratios ---------------------------------------------------------------------------------------- */
+
+sp_status sp_participation(const sp_modes *modes, int32_t bins, double until, sp_participation_bin *out,
+                           sp_error *err) {
+    if (bins < 1)
+        return sp_fail(err, SP_EINVAL, "bins = %d, must be 1 or more", bins);
+    if (!(until >= 0 && isfinite(until)))
+        return sp_fail(err, SP_EINVAL, "until = %g, must be a frequency, or 0 for the largest", until);
+    if (!modes->participation)
+        return sp_fail(err, SP_EINVAL, "modes have no vectors, which participation ratios need");
+    const double last = until > 0 ? until : modes->n > 0 ? modes->omega[modes->n - 1] : 0;
+    if (!(last > 0))
+        return sp_fail(err, SP_EREFUSED, "there are no vibrations: all frequencies are 0");
+    for (int32_t b = 0; b < bins; b++)
+        out[b] = (sp_participation_bin){.low = last * b / bins,
+                                        .high = b + 1 < bins ? last * (b + 1) / bins : last,
+                                        .mean = NAN,
+                                        .sd = NAN,
+                                        .least = NAN,
+                                        .largest = NAN};
+    running now = {0};
+    int32_t b = 0;
+    for (int64_t k = 0; k < modes->n; k++) { /* frequencies ascend */
+        if (!(modes->omega[k] > 0) || modes->omega[k] > last)
+            continue;
+        for (; modes->omega[k] > out[b].high; b++)
+            now = (running){0};
+        const double x = modes->participation[k];
+        add_value(&now, x);
+        out[b].modes = now.n;
+        out[b].mean = now.mean;
+        out[b].sd = now.n > 1 ? sqrt(now.squares / (double)(now.n - 1)) : NAN;
+        out[b].least = now.n > 1 ? fmin(out[b].least, x) : x;
+        out[b].largest = now.n > 1 ? fmax(out[b].largest, x) : x;
+    }
+    return SP_OK;
 }

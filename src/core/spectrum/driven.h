@@ -41,7 +41,4 @@ void sp_driven_response(const driven *d, const driven_solution *source, const dr
                         double *error);
 void sp_driven_free(driven *d);
 
-/* Fits the waves of sp_wave_fit. f [n][2] at heights y, ascending and equally spaced. */
-void sp_driven_fit(int32_t n, const double *y, const double *f, sp_wave_fit *out);
-
 #endif

@@ -6,8 +6,6 @@
 
 #include <math.h>
 
-#define PI 3.14159265358979323846
-
 typedef double pair __attribute__((vector_size(16)));
 typedef pair pair_memory __attribute__((may_alias));
 
@@ -137,17 +135,19 @@ out:
     return status;
 }
 
-int64_t sp_moments_for_width(double omega, double width) { return (int64_t)ceil(0.5 * PI * omega / width) + 1; }
+int64_t sp_moments_for_width(double omega, double width) { return (int64_t)ceil(0.5 * M_PI * omega / width) + 1; }
 
-double sp_moments_width(double omega, int64_t n) { return 0.5 * PI * omega / (double)n; }
+double sp_moments_width(double omega, int64_t n) { return 0.5 * M_PI * omega / (double)n; }
 
 void sp_moments_jackson(int64_t n, double *g) {
-    const double turn = PI / (double)(n + 1);
+    const double turn = M_PI / (double)(n + 1);
     for (int64_t k = 0; k < n; k++)
         g[k] = ((double)(n - k + 1) * cos(turn * (double)k) + sin(turn * (double)k) / tan(turn)) / (double)(n + 1);
 }
 
-double sp_moments_phase(double omega, double frequency) { return frequency < omega ? 2 * asin(frequency / omega) : PI; }
+double sp_moments_phase(double omega, double frequency) {
+    return frequency < omega ? 2 * asin(frequency / omega) : M_PI;
+}
 
 /* Sums c_k, or c_k/k, times cosines over k >= 1 with c_k = g_k mu_k (Clenshaw). Returns the last value, which times
  * sin(phi) is the sum with sines; *cosines: the sum with cosines. */
@@ -169,12 +169,12 @@ double sp_moments_density(double omega, int64_t n, const double *g, const double
         return 0;
     double cosines;
     clenshaw(n, g, mu, false, phi, &cosines);
-    return ((g ? g[0] : 1) * mu[0] + 2 * cosines) / (PI * slope);
+    return ((g ? g[0] : 1) * mu[0] + 2 * cosines) / (M_PI * slope);
 }
 
 double sp_moments_integral(double omega, int64_t n, const double *g, const double *mu, double frequency) {
     const double phi = sp_moments_phase(omega, frequency);
     double cosines;
     const double sines = clenshaw(n, g, mu, true, phi, &cosines);
-    return ((g ? g[0] : 1) * mu[0] * phi + 2 * sin(phi) * sines) / PI;
+    return ((g ? g[0] : 1) * mu[0] * phi + 2 * sin(phi) * sines) / M_PI;
 }

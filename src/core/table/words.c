@@ -9,6 +9,7 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 enum { COMMENTS_MAX = 4096 };
 
@@ -150,6 +151,15 @@ static sp_status add_row(sp_word_table *s, char *const *word, int count, int64_t
     return SP_OK;
 }
 
+/* Cells of a file .csv are numbers or names; a quote has no meaning there. */
+static void tabs_for_commas(char *line) {
+    char *to = line;
+    for (const char *from = line; *from; from++)
+        if (*from != '"')
+            *to++ = *from == ',' ? '\t' : *from;
+    *to = '\0';
+}
+
 /* Adds a line with cells. The first one sets the separator and the number of columns, and may be the header. */
 static sp_status take_row(sp_word_table *s, char *line, int64_t number, bool *tabs, sp_error *err) {
     bool first = s->columns == 0;
@@ -173,6 +183,8 @@ sp_status sp_word_table_read(const char *path, sp_word_table *out, sp_error *err
     size_t size = 0;
     sp_locale locale = sp_locale_enter();
     sp_status status = sp_file_read_text(path, &s.text, &size, err);
+    const char *dot = strrchr(path, '.');
+    const bool commas = dot && strcasecmp(dot, ".csv") == 0;
     bool tabs = false;
     sp_lines lines = sp_lines_of(path, s.text, size);
     while (status == SP_OK) {
@@ -181,6 +193,8 @@ sp_status sp_word_table_read(const char *path, sp_word_table *out, sp_error *err
         if (status != SP_OK || !line)
             break;
         char *first = line + strspn(line, " \t");
+        if (commas && *first != '#')
+            tabs_for_commas(line);
         if (*first == '#')
             status = add_comment(&s, first + 1, lines.number, err);
         else if (*first)

@@ -6,7 +6,6 @@
 #include "numeric/bessel.h"
 
 #include <math.h>
-#include <sonopack/transport.h>
 #include <string.h>
 
 enum { TERMS_MAX = 20000000, BAND_TERMS_MAX = 20000 };
@@ -18,8 +17,11 @@ sp_status sp_packet_space_make(const sp_network *net, packet_space *out, sp_erro
     if (status != SP_OK)
         return status;
     s.t = sp_alloc(size, 4 * sizeof *s.t);
-    if (!s.t)
+    s.energy = sp_alloc((size_t)net->n, sizeof *s.energy);
+    if (!s.t || !s.energy) {
+        sp_packet_space_free(&s);
         return sp_fail_memory(err, size * 4 * sizeof *s.t);
+    }
     s.step = s.t + size;
     s.force = s.step + size;
     s.sum = s.force + size;
@@ -29,6 +31,7 @@ sp_status sp_packet_space_make(const sp_network *net, packet_space *out, sp_erro
 
 void sp_packet_space_free(packet_space *s) {
     sp_free(s->t);
+    sp_free(s->energy);
     *s = (packet_space){0};
 }
 
@@ -161,36 +164,83 @@ double sp_packet_energy(packet_space *s, const double *motion) {
     return 0.5 * sum;
 }
 
-static void interleave(int64_t n, const double *u, const double *v, double *motion) {
-    for (int64_t i = 0; i < n; i++) {
-        motion[2 * i] = u[i];
-        motion[2 * i + 1] = v[i];
+double *sp_packet_parts(packet_space *s, const double *motion) {
+    for (int64_t i = 0; i < s->n; i++) {
+        s->sum[i] = motion[2 * i];
+        s->sum[s->n + i] = motion[2 * i + 1];
     }
+    return s->sum;
+}
+
+sp_status sp_packet_energies(packet_space *s, const double *motion, sp_error *err) {
+    const double *parts = sp_packet_parts(s, motion);
+    return sp_transport_energy(s->net, parts, parts + s->n, s->energy, err);
+}
+
+sp_status sp_packet_check_drift(double ratio, double *drift, sp_error *err) {
+    *drift = fmax(*drift, fabs(ratio - 1));
+    return *drift < 1e-6
+               ? SP_OK
+               : sp_fail(err, SP_EREFUSED, "the energy of the motion changes by %.3g: the network is unstable", *drift);
+}
+
+sp_status sp_packet_check_band(const char *what, double omega, double width, sp_error *err) {
+    if (!(omega > 0 && isfinite(omega)))
+        return sp_fail(err, SP_EINVAL, "%s: frequency %g, must be above 0", what, omega);
+    if (!(width >= 1e-3 && width <= 0.5))
+        return sp_fail(err, SP_EINVAL, "%s: width %g of the band, must be 0.001 .. 0.5", what, width);
+    return SP_OK;
+}
+
+sp_status sp_packet_band(const packet_space *s, double omega, double width, packet_map *out, sp_error *err) {
+    return sp_packet_map_band(s->omega, omega, M_SQRT2 * width * omega, out, err);
+}
+
+sp_status sp_packet_filter(packet_space *s, const packet_map *band, double omega, double *motion, double *energy,
+                           sp_error *err) {
+    const double before = sp_packet_energy(s, motion);
+    sp_packet_apply(s, band, motion);
+    const double left = sp_packet_energy(s, motion);
+    if (!(left > 1e-12 * before))
+        return sp_fail(err, SP_EREFUSED, "no mode has a frequency near %g", omega);
+    if (energy)
+        *energy = left;
+    return SP_OK;
+}
+
+sp_status sp_packet_impulse(packet_space *s, double *motion, sp_error *err) {
+    const sp_status status = sp_network_source(s->net, SP_SOURCE_IMPULSE, s->sum, err);
+    for (int64_t q = 0; q < s->n && status == SP_OK; q++) {
+        motion[2 * q] = 0;
+        motion[2 * q + 1] = s->sum[q] / s->net->mass[q];
+    }
+    return status;
 }
 
 sp_status sp_transport_advance(const sp_network *net, double t, double *u, double *v, double *drift, sp_error *err) {
     packet_space s = {0};
     packet_map m = {0};
-    double *motion = NULL;
+    double *motion = NULL, change = 0;
     sp_status status = sp_packet_space_make(net, &s, err);
     if (status == SP_OK)
         status = sp_packet_map_time(s.omega, t, &m, err);
     if (status == SP_OK && !(motion = sp_alloc(2 * (size_t)s.n, sizeof *motion)))
         status = sp_fail_memory(err, 2 * (size_t)s.n * sizeof *motion);
+    for (int64_t i = 0; i < s.n && status == SP_OK; i++) {
+        motion[2 * i] = u[i];
+        motion[2 * i + 1] = v[i];
+    }
     if (status == SP_OK) {
-        interleave(s.n, u, v, motion);
         const double before = sp_packet_energy(&s, motion);
         sp_packet_apply(&s, &m, motion);
-        const double change = before != 0 ? fabs(sp_packet_energy(&s, motion) / before - 1) : 0;
-        if (!(change < 1e-6))
-            status =
-                sp_fail(err, SP_EREFUSED, "the energy of the motion changes by %.3g: the network is unstable", change);
-        if (status == SP_OK && drift)
-            *drift = change;
+        status = sp_packet_check_drift(before != 0 ? sp_packet_energy(&s, motion) / before : 1, &change, err);
     }
-    for (int64_t i = 0; i < s.n && status == SP_OK; i++) {
-        u[i] = motion[2 * i];
-        v[i] = motion[2 * i + 1];
+    if (status == SP_OK) {
+        const double *parts = sp_packet_parts(&s, motion);
+        memcpy(u, parts, (size_t)s.n * sizeof *u);
+        memcpy(v, parts + s.n, (size_t)s.n * sizeof *v);
+        if (drift)
+            *drift = change;
     }
     sp_free(motion);
     sp_packet_map_free(&m);

@@ -5,7 +5,6 @@
 #include "transport/packet.h"
 
 #include <math.h>
-#include <sonopack/transport.h>
 
 enum { SOURCES_MAX = 1000, KINDS = 5, PARTS = 8, TIMES_OF_PART = 6 };
 static const double PERIODS = 100; /* of omega, before the first time */
@@ -17,9 +16,7 @@ typedef struct splitting {
     packet_space space;
     packet_map band, step;
     double *motion; /* [dofs][2] */
-    double *pair;   /* [2][dofs] u and v */
-    sp_energy *energy;
-    double *part; /* [KINDS][samples] */
+    double *part;   /* [KINDS][samples] */
 } splitting;
 
 static void splitting_free(splitting *s) {
@@ -27,16 +24,13 @@ static void splitting_free(splitting *s) {
     sp_packet_map_free(&s->band);
     sp_packet_map_free(&s->step);
     sp_free(s->motion);
-    sp_free(s->pair);
-    sp_free(s->energy);
     sp_free(s->part);
 }
 
 static sp_status check(double omega, const sp_split_options *opt, sp_error *err) {
-    if (!(omega > 0 && isfinite(omega)))
-        return sp_fail(err, SP_EINVAL, "split: frequency %g, must be above 0", omega);
-    if (!(opt->width >= 1e-3 && opt->width <= 0.5))
-        return sp_fail(err, SP_EINVAL, "split: width %g of the band, must be 0.001 .. 0.5", opt->width);
+    const sp_status status = sp_packet_check_band("split", omega, opt->width, err);
+    if (status != SP_OK)
+        return status;
     if (opt->sources < 2 || opt->sources > SOURCES_MAX)
         return sp_fail(err, SP_EINVAL, "split: %d random motions, must be 2 .. %d", opt->sources, SOURCES_MAX);
     if (!(opt->from >= 0 && isfinite(opt->from)))
@@ -48,31 +42,22 @@ static sp_status prepare(splitting *s, double omega, double step, const sp_split
     const size_t samples = (size_t)(opt->sources > PARTS ? opt->sources : PARTS);
     sp_status status = sp_packet_space_make(s->net, &s->space, err);
     if (status == SP_OK)
-        status = sp_packet_map_band(s->space.omega, omega, M_SQRT2 * opt->width * omega, &s->band, err);
+        status = sp_packet_band(&s->space, omega, opt->width, &s->band, err);
     if (status == SP_OK)
         status = sp_packet_map_time(s->space.omega, step, &s->step, err);
     if (status != SP_OK)
         return status;
     s->motion = sp_alloc(2 * (size_t)s->space.n, sizeof *s->motion);
-    s->pair = sp_alloc(2 * (size_t)s->space.n, sizeof *s->pair);
-    s->energy = sp_alloc((size_t)s->net->n, sizeof *s->energy);
     s->part = sp_alloc(KINDS * samples, sizeof *s->part);
-    return s->motion && s->pair && s->energy && s->part
-               ? SP_OK
-               : sp_fail_memory(err, 4 * (size_t)s->space.n * sizeof *s->motion);
+    return s->motion && s->part ? SP_OK : sp_fail_memory(err, 2 * (size_t)s->space.n * sizeof *s->motion);
 }
 
 /* Adds `weight` times the parts of the energy of the motion to sample `k` of `samples`. */
 static sp_status add_parts(splitting *s, int32_t samples, int32_t k, double weight, sp_error *err) {
-    const int64_t n = s->space.n;
     double sum[KINDS] = {0}, all = 0;
-    for (int64_t q = 0; q < n; q++) {
-        s->pair[q] = s->motion[2 * q];
-        s->pair[n + q] = s->motion[2 * q + 1];
-    }
-    const sp_status status = sp_transport_energy(s->net, s->pair, s->pair + n, s->energy, err);
+    const sp_status status = sp_packet_energies(&s->space, s->motion, err);
     for (int32_t i = 0; i < s->net->n && status == SP_OK; i++) {
-        const sp_energy *e = &s->energy[i];
+        const sp_energy *e = &s->space.energy[i];
         const double value[KINDS] = {e->along, e->across, e->rotation, e->normal, e->tangential};
         for (int a = 0; a < KINDS; a++)
             sum[a] += value[a];
@@ -92,15 +77,6 @@ static void finish(const splitting *s, int32_t samples, sp_energy *mean, sp_ener
     }
 }
 
-/* Filters the motion. */
-static sp_status filter(splitting *s, double omega, sp_error *err) {
-    const double before = sp_packet_energy(&s->space, s->motion);
-    sp_packet_apply(&s->space, &s->band, s->motion);
-    if (!(sp_packet_energy(&s->space, s->motion) > 1e-12 * before))
-        return sp_fail(err, SP_EREFUSED, "no mode has a frequency near %g", omega);
-    return SP_OK;
-}
-
 /* Independent displacements and velocities of the same energy in each mode near omega. */
 static void randomise(splitting *s, double omega, sp_random *random) {
     for (int64_t q = 0; q < s->space.n; q++) {
@@ -116,7 +92,7 @@ static sp_status at_rest(splitting *s, double omega, const sp_split_options *opt
         sp_random random = sp_random_make(opt->seed, SP_STREAM_SPREAD);
         random.count = (uint64_t)k << 32;
         randomise(s, omega, &random);
-        status = filter(s, omega, err);
+        status = sp_packet_filter(&s->space, &s->band, omega, s->motion, NULL, err);
         if (status == SP_OK)
             status = add_parts(s, opt->sources, k, 1, err);
     }
@@ -125,20 +101,13 @@ static sp_status at_rest(splitting *s, double omega, const sp_split_options *opt
     return status;
 }
 
-/* The impulse of the wall, filtered. */
-static sp_status kick(splitting *s, double omega, sp_error *err) {
-    sp_status status = sp_network_source(s->net, SP_SOURCE_IMPULSE, s->pair, err);
-    for (int64_t q = 0; q < s->space.n && status == SP_OK; q++) {
-        s->motion[2 * q] = 0;
-        s->motion[2 * q + 1] = s->pair[q] / s->net->mass[q];
-    }
-    return status == SP_OK ? filter(s, omega, err) : status;
-}
-
 static sp_status after_pulse(splitting *s, double omega, const sp_split *times, sp_energy *mean, sp_energy *error,
                              sp_error *err) {
     packet_map wait = {0};
-    sp_status status = kick(s, omega, err);
+    double drift = 0;
+    sp_status status = sp_packet_impulse(&s->space, s->motion, err);
+    if (status == SP_OK)
+        status = sp_packet_filter(&s->space, &s->band, omega, s->motion, NULL, err);
     for (int64_t q = 0; q < (int64_t)KINDS * PARTS; q++)
         s->part[q] = 0;
     const double before = sp_packet_energy(&s->space, s->motion);
@@ -151,8 +120,8 @@ static sp_status after_pulse(splitting *s, double omega, const sp_split *times, 
         status = add_parts(s, PARTS, l / TIMES_OF_PART, 1.0 / TIMES_OF_PART, err);
         sp_packet_apply(&s->space, &s->step, s->motion);
     }
-    if (status == SP_OK && !(fabs(sp_packet_energy(&s->space, s->motion) / before - 1) < 1e-6))
-        return sp_fail(err, SP_EREFUSED, "the energy of the motion changes: the network is unstable");
+    if (status == SP_OK)
+        status = sp_packet_check_drift(sp_packet_energy(&s->space, s->motion) / before, &drift, err);
     if (status == SP_OK)
         finish(s, PARTS, mean, error);
     return status;

@@ -6,7 +6,6 @@
 #include "transport/packet.h"
 
 #include <math.h>
-#include <sonopack/transport.h>
 
 enum { SOURCES_MAX = 1000, WAVES_MAX = 1000, POINTS_MAX = 1200, STEPS_BEFORE_DOUBLING = 24 };
 
@@ -33,8 +32,6 @@ typedef struct spreading {
     double *wave;   /* [n] cos(q x) of each grain */
     double *motion; /* [2 sources][dofs][2]: densities 1 + cos and 1 - cos in turn */
     double *first;  /* [2 sources] energies at the start */
-    sp_energy *energy;
-    double *pair; /* [2][dofs] u and v of one motion */
     int32_t points;
     double *t; /* [POINTS_MAX] */
     double *f; /* [sources][POINTS_MAX] */
@@ -47,19 +44,16 @@ static void spreading_free(spreading *s) {
     sp_free(s->wave);
     sp_free(s->motion);
     sp_free(s->first);
-    sp_free(s->energy);
-    sp_free(s->pair);
     sp_free(s->t);
     sp_free(s->f);
 }
 
 static sp_status check(const sp_network *net, double omega, const sp_spread_options *opt, sp_error *err) {
-    if (!(omega > 0 && isfinite(omega)))
-        return sp_fail(err, SP_EINVAL, "spread: frequency %g, must be above 0", omega);
+    const sp_status status = sp_packet_check_band("spread", omega, opt->width, err);
+    if (status != SP_OK)
+        return status;
     if (opt->axis < -1 || opt->axis >= net->dim)
         return sp_fail(err, SP_EINVAL, "spread: axis %d, must be 0 .. %d", opt->axis, net->dim - 1);
-    if (!(opt->width >= 1e-3 && opt->width <= 0.5))
-        return sp_fail(err, SP_EINVAL, "spread: width %g of the band, must be 0.001 .. 0.5", opt->width);
     if (opt->waves < 1 || opt->waves > WAVES_MAX)
         return sp_fail(err, SP_EINVAL, "spread: %d waves, must be 1 .. %d", opt->waves, WAVES_MAX);
     if (opt->sources < 2 || opt->sources > SOURCES_MAX)
@@ -74,13 +68,10 @@ static sp_status allocate(spreading *s, sp_error *err) {
     s->wave = sp_alloc((size_t)s->net->n, sizeof *s->wave);
     s->motion = sp_alloc(2 * sources * 2 * n, sizeof *s->motion);
     s->first = sp_alloc(2 * sources, sizeof *s->first);
-    s->energy = sp_alloc((size_t)s->net->n, sizeof *s->energy);
-    s->pair = sp_alloc(2 * n, sizeof *s->pair);
     s->t = sp_alloc(POINTS_MAX, sizeof *s->t);
     s->f = sp_alloc(sources * POINTS_MAX, sizeof *s->f);
-    return s->wave && s->motion && s->first && s->energy && s->pair && s->t && s->f
-               ? SP_OK
-               : sp_fail_memory(err, 4 * sources * n * sizeof *s->motion);
+    return s->wave && s->motion && s->first && s->t && s->f ? SP_OK
+                                                            : sp_fail_memory(err, 4 * sources * n * sizeof *s->motion);
 }
 
 /* The wave fits into the cell: whole periods along a periodic axis, half waves between walls, where no energy leaves.
@@ -111,20 +102,16 @@ static void make_motion(spreading *s, sp_random *random, int sign, double *motio
     }
 }
 
-/* The same random numbers serve both signs. The energy falls off like the square of the filter. */
+/* The same random numbers serve both signs. */
 static sp_status make_motions(spreading *s, sp_error *err) {
     packet_map band = {0};
-    sp_status status = sp_packet_map_band(s->space.omega, s->omega, M_SQRT2 * s->opt->width * s->omega, &band, err);
+    sp_status status = sp_packet_band(&s->space, s->omega, s->opt->width, &band, err);
     for (int32_t l = 0; l < 2 * s->opt->sources && status == SP_OK; l++) {
         double *motion = s->motion + (int64_t)l * 2 * s->space.n;
         sp_random random = sp_random_make(s->opt->seed, SP_STREAM_SPREAD);
         random.count = (uint64_t)(l / 2) << 32;
         make_motion(s, &random, l % 2 == 0 ? 1 : -1, motion);
-        const double before = sp_packet_energy(&s->space, motion);
-        sp_packet_apply(&s->space, &band, motion);
-        s->first[l] = sp_packet_energy(&s->space, motion);
-        if (!(s->first[l] > 1e-12 * before))
-            status = sp_fail(err, SP_EREFUSED, "no mode has a frequency near %g", s->omega);
+        status = sp_packet_filter(&s->space, &band, s->omega, motion, &s->first[l], err);
     }
     sp_packet_map_free(&band);
     return status;
@@ -132,24 +119,15 @@ static sp_status make_motions(spreading *s, sp_error *err) {
 
 /* Part of the energy of a motion that has the form of the wave. */
 static sp_status part_of_wave(spreading *s, int32_t l, double *part, sp_error *err) {
-    const int64_t n = s->space.n;
-    const double *motion = s->motion + (int64_t)l * 2 * n;
     double sum = 0, all = 0;
-    for (int64_t k = 0; k < n; k++) {
-        s->pair[k] = motion[2 * k];
-        s->pair[n + k] = motion[2 * k + 1];
-    }
-    const sp_status status = sp_transport_energy(s->net, s->pair, s->pair + n, s->energy, err);
+    const sp_status status = sp_packet_energies(&s->space, s->motion + (int64_t)l * 2 * s->space.n, err);
     for (int32_t i = 0; i < s->net->n && status == SP_OK; i++) {
-        const double e = sp_energy_sum(&s->energy[i]);
+        const double e = sp_energy_sum(&s->space.energy[i]);
         sum += e * s->wave[i];
         all += e;
     }
-    s->drift = fmax(s->drift, fabs(all / s->first[l] - 1));
-    if (status == SP_OK && !(s->drift < 1e-6))
-        return sp_fail(err, SP_EREFUSED, "the energy of the motion changes by %.3g: the network is unstable", s->drift);
     *part = sum / all;
-    return status;
+    return status == SP_OK ? sp_packet_check_drift(all / s->first[l], &s->drift, err) : status;
 }
 
 /* The difference of the two signs: it vanishes when the energy has reached its equilibrium, uniform or not. */

@@ -156,6 +156,39 @@ out:
     return status;
 }
 
+sp_status sp_fit_power(int64_t n, const double *x, const double *y, const double *y_err, double *exponent,
+                       double *exponent_err, double *prefactor, sp_error *err) {
+    if (n < 3)
+        return sp_fail(err, SP_EINVAL, "power law: %lld points, at least 3 are needed", (long long)n);
+    sp_status status = SP_OK;
+    double *memory = sp_alloc((size_t)n, 3 * sizeof *memory);
+    if (!memory)
+        return sp_fail_memory(err, (size_t)n * 3 * sizeof *memory);
+    double *lx = memory, *ly = memory + n, *le = memory + 2 * n;
+    for (int64_t k = 0; k < n; k++) {
+        if (!(x[k] > 0 && isfinite(x[k])) || !(y[k] > 0 && isfinite(y[k])) || (y_err && !(y_err[k] > 0))) {
+            status = sp_fail(err, SP_EINVAL, "power law: point %lld is (%g, %g) with error %g; positive numbers needed",
+                             (long long)k, x[k], y[k], y_err ? y_err[k] : NAN);
+            goto out;
+        }
+        lx[k] = log(x[k]);
+        ly[k] = log(y[k]);
+        le[k] = y_err ? y_err[k] / y[k] : 1;
+    }
+    sp_line line;
+    status = sp_fit_line(n, lx, ly, y_err ? le : NULL, &line, err);
+    if (status != SP_OK)
+        goto out;
+    /* scatter beyond the given errors increases the error of the exponent; smaller scatter does not decrease it */
+    double scatter = y_err ? fmax(1, sqrt(line.chi2 / (double)line.freedom)) : 1;
+    *exponent = line.slope;
+    *exponent_err = line.slope_err * scatter;
+    *prefactor = exp(line.intercept);
+out:
+    sp_free(memory);
+    return status;
+}
+
 /* Adds comments with the exponent of c_tof in p. */
 static sp_status add_exponent(sp_table *t, sp_error *err) {
     size_t rows = (size_t)t->rows;
@@ -191,21 +224,12 @@ static sp_status add_exponent(sp_table *t, sp_error *err) {
 }
 
 sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, double level, sp_table *t, sp_error *err) {
-    static const sp_column column[] = {{"p", "E*", SP_COLUMN_NUMBER},
-                                       {"samples", "", SP_COLUMN_INTEGER},
-                                       {"c_tof", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
-                                       {"c_tof_err", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
-                                       {"c_peak", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
-                                       {"c_zero", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
-                                       {"c_l", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
-                                       {"c_t", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
-                                       {"c_tof_low", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
-                                       {"c_tof_high", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
-                                       {"c_peak_err", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
-                                       {"c_zero_err", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
-                                       {"c_l_err", "sqrt(E* / rho)", SP_COLUMN_NUMBER},
-                                       {"c_t_err", "sqrt(E* / rho)", SP_COLUMN_NUMBER}};
-    sp_status status = sp_columns_add(t, sizeof column / sizeof *column, column, err);
+    static const char *const names[] = {"c_tof",     "c_tof_err",  "c_peak",     "c_zero",     "c_l",     "c_t",
+                                        "c_tof_low", "c_tof_high", "c_peak_err", "c_zero_err", "c_l_err", "c_t_err"};
+    static const sp_column first[] = {{"p", "E*", SP_COLUMN_NUMBER}, {"samples", "", SP_COLUMN_INTEGER}};
+    sp_status status = sp_columns_add(t, 2, first, err);
+    for (size_t k = 0; k < sizeof names / sizeof *names && status == SP_OK; k++)
+        status = sp_table_add_column(t, names[k], "sqrt(E* / rho)", SP_COLUMN_NUMBER, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err,
                                       "c_tof = (<H2> - <H1>)/(<t10>_2 - <t10>_1) between the lowest and the "

@@ -146,3 +146,10 @@ int64_t sp_samples_lacking(int64_t n, const sp_sample *const *s, unsigned part) 
         lacking += !s[k]->failed && (s[k]->lacks & ~s[k]->have & part) != 0;
     return lacking;
 }
+
+sp_status sp_columns_add(sp_table *t, int count, const sp_column *column, sp_error *err) {
+    sp_status status = SP_OK;
+    for (int k = 0; k < count && status == SP_OK; k++)
+        status = sp_table_add_column(t, column[k].name, column[k].unit, column[k].kind, err);
+    return status;
+}

@@ -1,11 +1,11 @@
 /* Runs a study: several threads, and several processes on one store, make its samples. */
 #include "base/base.h"
-#include "ensemble/order.h"
 #include "ensemble/sample.h"
 
 #include <math.h>
 #include <pthread.h>
 #include <signal.h>
+#include <sonopack/study/forecast.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,11 +14,100 @@
 static const double watch_interval = 0.25;         /* seconds between calls of the watch */
 static const long another_look = 50 * 1000 * 1000; /* nanoseconds between checks of samples that others have reserved */
 
+/* ---- the order of the samples ----------------------------------------------------------------------------------- */
+
+/* The first seed of every combination comes before any second seed; samples with more work come first, so that no
+ * thread has much work left at the end. The memory grows with the number of combinations, not of samples. */
+typedef struct order {
+    int64_t count, combinations; /* samples of the study; combinations of swept values */
+    int64_t *longest;            /* [combinations], the most expensive first */
+    double *cost;                /* [combinations] expected work, in an arbitrary unit */
+    int64_t shard_count;         /* samples of the shard */
+    double shard_cost;
+} order;
+
+static void order_free(order *o) {
+    sp_free(o->longest);
+    sp_free(o->cost);
+    *o = (order){0};
+}
+
+/* Number of the sample at a place, 0 <= place < count; negative if it belongs to another shard. */
+static int64_t order_sample(const order *o, int64_t place, int shard, int shards) {
+    const int64_t round = place / o->combinations;
+    const int64_t number = round * o->combinations + o->longest[place % o->combinations];
+    return number % shards == shard - 1 ? number : -1;
+}
+
+static double order_cost(const order *o, int64_t number) { return o->cost[number % o->combinations]; }
+
+typedef struct ranked {
+    int64_t combination;
+    double cost;
+} ranked;
+
+static int by_falling_cost(const void *a, const void *b) {
+    const ranked *p = a, *q = b;
+    if (p->cost > q->cost || p->cost < q->cost)
+        return p->cost > q->cost ? -1 : 1;
+    return p->combination < q->combination ? -1 : p->combination > q->combination;
+}
+
+/* CPU seconds of a sample on the machine of the laws: only ratios matter here. */
+static double expected_cost(const sp_scene *scene) {
+    const sp_machine machine = sp_machine_reference();
+    return sp_sample_expect(scene, &machine);
+}
+
+static sp_status rank_combinations(const sp_scene *study, order *o, sp_error *err) {
+    ranked *all = sp_alloc((size_t)o->combinations, sizeof *all);
+    if (!all)
+        return sp_fail_memory(err, (size_t)o->combinations * sizeof *all);
+    sp_status status = SP_OK;
+    for (int64_t c = 0; c < o->combinations && status == SP_OK; c++) {
+        sp_scene scene;
+        status = sp_study_scene(study, c, &scene, err);
+        if (status == SP_OK)
+            all[c] = (ranked){c, o->cost[c] = expected_cost(&scene)};
+    }
+    if (status == SP_OK)
+        qsort(all, (size_t)o->combinations, sizeof *all, by_falling_cost);
+    for (int64_t c = 0; c < o->combinations; c++)
+        o->longest[c] = all[c].combination;
+    sp_free(all);
+    return status;
+}
+
+/* Checks every combination: SP_EINVAL if one is no valid scene. */
+static sp_status order_make(const sp_scene *study, int shard, int shards, order *out, sp_error *err) {
+    order o = {.count = sp_study_count(study)};
+    o.combinations = o.count / study->samples;
+    o.longest = sp_alloc((size_t)o.combinations, sizeof *o.longest);
+    o.cost = sp_alloc((size_t)o.combinations, sizeof *o.cost);
+    sp_status status = SP_OK;
+    if (!o.longest || !o.cost)
+        status = sp_fail_memory(err, (size_t)o.combinations * (sizeof *o.longest + sizeof *o.cost));
+    if (status == SP_OK)
+        status = rank_combinations(study, &o, err);
+    if (status != SP_OK) {
+        order_free(&o);
+        return status;
+    }
+    for (int64_t k = shard - 1; k < o.count; k += shards) {
+        o.shard_count++;
+        o.shard_cost += order_cost(&o, k);
+    }
+    *out = o;
+    return SP_OK;
+}
+
+/* ---- workers ---------------------------------------------------------------------------------------------------- */
+
 typedef struct run {
     const sp_scene *study;
     const sp_study_sink *sink;
     const sp_study_options *options;
-    sp_order order;
+    order samples;
     int64_t next; /* first place in the order that is not taken */
     int64_t postponed;
     size_t capacity;   /* of later */
@@ -52,7 +141,7 @@ static void stop_run(run *r, sp_status status, const sp_error *reason) {
 
 /* Counts a finished sample. The caller holds the lock. */
 static void count_done(run *r, int64_t number, bool computed, bool failed) {
-    const double cost = sp_order_cost(&r->order, number);
+    const double cost = order_cost(&r->samples, number);
     r->progress.done++;
     r->progress.computed += computed;
     r->progress.failed += failed;
@@ -178,9 +267,9 @@ static int64_t take_next(run *r) {
     pthread_mutex_lock(o->take ? &r->takes : &r->lock);
     do {
         const int64_t place = o->take ? o->take(o->take_user) : r->next++;
-        if (place < 0 || place >= r->order.count)
+        if (place < 0 || place >= r->samples.count)
             break;
-        number = sp_order_sample(&r->order, place, o->shard, o->shards);
+        number = order_sample(&r->samples, place, o->shard, o->shards);
     } while (number < 0);
     pthread_mutex_unlock(o->take ? &r->takes : &r->lock);
     return number;
@@ -310,10 +399,10 @@ sp_status sp_study_run(const sp_scene *scene, const sp_study_options *opt, const
         return status;
     run r = {.study = scene, .sink = sink, .options = opt, .begun = sp_clock_wall()};
     make_locks(&r);
-    status = sp_order_make(scene, opt->shard, opt->shards, &r.order, err);
+    status = order_make(scene, opt->shard, opt->shards, &r.samples, err);
     if (status == SP_OK) {
-        r.progress.total = r.order.shard_count;
-        r.progress.cost = r.order.shard_cost;
+        r.progress.total = r.samples.shard_count;
+        r.progress.cost = r.samples.shard_cost;
         if (r.progress.total > 0)
             status =
                 run_workers(&r, opt->jobs < r.progress.total ? opt->jobs : (int)r.progress.total, watch, user, err);
@@ -331,7 +420,7 @@ sp_status sp_study_run(const sp_scene *scene, const sp_study_options *opt, const
     pthread_cond_destroy(&r.left);
     pthread_mutex_destroy(&r.takes);
     pthread_mutex_destroy(&r.lock);
-    sp_order_free(&r.order);
+    order_free(&r.samples);
     sp_free(r.later);
     return status;
 }

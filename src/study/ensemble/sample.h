@@ -24,5 +24,9 @@ sp_status sp_front_grid(const sp_network *net, sp_source source, double window, 
 /* sp_sample_make with hooks for the compression of the packing. */
 sp_status sp_sample_make_with(const sp_scene *scene, unsigned want, const sp_pack_hooks *hooks, sp_packing *packing,
                               sp_sample *sample, sp_sample_arrays *arrays, sp_error *err);
+/* Makes the `missing' parts of a sample from its packing. sample->have tells which of them succeeded. Returns the
+ * reason of the first that failed. */
+sp_status sp_parts_make(const sp_scene *scene, unsigned missing, const sp_packing *packing, sp_sample *sample,
+                        sp_sample_arrays *arrays, sp_error *err);
 
 #endif

@@ -126,49 +126,49 @@ static sp_status of_planes(int64_t n, const sp_sample *const *s, fronts *f, sp_e
 #define TIME  "d/sqrt(E* / rho)"
 #define SPEED "sqrt(E* / rho)"
 
-static const sp_column columns[] = {
-    {"p", "E*", SP_COLUMN_NUMBER},
-    {"width", "d", SP_COLUMN_NUMBER},
-    {"distance", "d", SP_COLUMN_NUMBER},
-    {"distance_err", "d", SP_COLUMN_NUMBER},
-    {"samples", "", SP_COLUMN_INTEGER},
-    {"t10", TIME, SP_COLUMN_NUMBER},
-    {"t10_err", TIME, SP_COLUMN_NUMBER},
-    {"t_peak", TIME, SP_COLUMN_NUMBER},
-    {"t_peak_err", TIME, SP_COLUMN_NUMBER},
-    {"t_zero", TIME, SP_COLUMN_NUMBER},
-    {"t_zero_err", TIME, SP_COLUMN_NUMBER},
-    {"amplitude", "E* d^2", SP_COLUMN_NUMBER},
-    {"amplitude_err", "E* d^2", SP_COLUMN_NUMBER},
-    {"width10", TIME, SP_COLUMN_NUMBER},
-    {"width10_err", TIME, SP_COLUMN_NUMBER},
-    {"width_peak", TIME, SP_COLUMN_NUMBER},
-    {"width_peak_err", TIME, SP_COLUMN_NUMBER},
-    {"speed", SPEED, SP_COLUMN_NUMBER},
-    {"speed_err", SPEED, SP_COLUMN_NUMBER},
-    {"speed_peak", SPEED, SP_COLUMN_NUMBER},
-    {"speed_peak_err", SPEED, SP_COLUMN_NUMBER},
-    {"speed_zero", SPEED, SP_COLUMN_NUMBER},
-    {"speed_zero_err", SPEED, SP_COLUMN_NUMBER},
-    {"gamma", "", SP_COLUMN_NUMBER},
-    {"gamma_err", "", SP_COLUMN_NUMBER},
-    {"alpha", "", SP_COLUMN_NUMBER},
-    {"alpha_err", "", SP_COLUMN_NUMBER},
-    {"alpha_peak", "", SP_COLUMN_NUMBER},
-    {"alpha_peak_err", "", SP_COLUMN_NUMBER},
-    {"c_l", SPEED, SP_COLUMN_NUMBER},
-    {"c_l_err", SPEED, SP_COLUMN_NUMBER},
-    {"c_t", SPEED, SP_COLUMN_NUMBER},
-    {"c_t_err", SPEED, SP_COLUMN_NUMBER},
-    {"speed_over_c_l", "", SP_COLUMN_NUMBER},
-    {"between", "d", SP_COLUMN_NUMBER},
-    {"friction", "", SP_COLUMN_NUMBER},
-    {"dimension", "", SP_COLUMN_INTEGER},
-    {"grains", "", SP_COLUMN_INTEGER},
-    {"speed_low", SPEED, SP_COLUMN_NUMBER},
-    {"speed_high", SPEED, SP_COLUMN_NUMBER},
+/* Each has a column of its error after it. */
+static const struct estimate_column {
+    const char *name, *unit;
+    size_t offset; /* in sp_scaling_row */
+} estimates[] = {{"t10", TIME, offsetof(sp_scaling_row, t10)},
+                 {"t_peak", TIME, offsetof(sp_scaling_row, t_peak)},
+                 {"t_zero", TIME, offsetof(sp_scaling_row, t_zero)},
+                 {"amplitude", "E* d^2", offsetof(sp_scaling_row, amplitude)},
+                 {"width10", TIME, offsetof(sp_scaling_row, width)},
+                 {"width_peak", TIME, offsetof(sp_scaling_row, width_peak)},
+                 {"speed", SPEED, offsetof(sp_scaling_row, speed)},
+                 {"speed_peak", SPEED, offsetof(sp_scaling_row, speed_peak)},
+                 {"speed_zero", SPEED, offsetof(sp_scaling_row, speed_zero)},
+                 {"gamma", "", offsetof(sp_scaling_row, gamma)},
+                 {"alpha", "", offsetof(sp_scaling_row, alpha)},
+                 {"alpha_peak", "", offsetof(sp_scaling_row, alpha_peak)}};
+static const sp_column first[] = {{"p", "E*", SP_COLUMN_NUMBER},
+                                  {"width", "d", SP_COLUMN_NUMBER},
+                                  {"distance", "d", SP_COLUMN_NUMBER},
+                                  {"distance_err", "d", SP_COLUMN_NUMBER},
+                                  {"samples", "", SP_COLUMN_INTEGER}},
+                       last[] = {{"c_l", SPEED, SP_COLUMN_NUMBER},         {"c_l_err", SPEED, SP_COLUMN_NUMBER},
+                                 {"c_t", SPEED, SP_COLUMN_NUMBER},         {"c_t_err", SPEED, SP_COLUMN_NUMBER},
+                                 {"speed_over_c_l", "", SP_COLUMN_NUMBER}, {"between", "d", SP_COLUMN_NUMBER},
+                                 {"friction", "", SP_COLUMN_NUMBER},       {"dimension", "", SP_COLUMN_INTEGER},
+                                 {"grains", "", SP_COLUMN_INTEGER},        {"speed_low", SPEED, SP_COLUMN_NUMBER},
+                                 {"speed_high", SPEED, SP_COLUMN_NUMBER}};
+enum {
+    FIRST = sizeof first / sizeof *first,
+    ESTIMATES = sizeof estimates / sizeof *estimates,
+    LAST = sizeof last / sizeof *last,
+    COLUMNS = FIRST + 2 * ESTIMATES + LAST
 };
-enum { COLUMNS = sizeof columns / sizeof *columns };
+
+static sp_status add_columns(sp_table *t, sp_error *err) {
+    sp_status status = sp_columns_add(t, FIRST, first, err);
+    for (int k = 0; k < 2 * ESTIMATES && status == SP_OK; k++) {
+        char name[40];
+        snprintf(name, sizeof name, "%s%s", estimates[k / 2].name, k % 2 ? "_err" : "");
+        status = sp_table_add_column(t, name, estimates[k / 2].unit, SP_COLUMN_NUMBER, err);
+    }
+    return status == SP_OK ? sp_columns_add(t, LAST, last, err) : status;
+}
 
 /* The samples of a row; for planes, all samples of the group. */
 static int64_t row_samples(const fronts *f, int r, const sp_sample *const **s) {
@@ -209,37 +209,23 @@ static sp_status add_row(const fronts *f, const sp_scaling *scaling, int r, doub
         const int64_t above = row_samples(f, r + 1, &next);
         over = row->speed.value / (0.5 * (c_l.value + sp_wave_speed(above, next, false, scratch).value));
     }
-    const sp_estimate *const pairs[] = {&row->t10,
-                                        &row->t_peak,
-                                        &row->t_zero,
-                                        &row->amplitude,
-                                        &row->width,
-                                        &row->width_peak,
-                                        &row->speed,
-                                        &row->speed_peak,
-                                        &row->speed_zero,
-                                        &row->gamma,
-                                        &row->alpha,
-                                        &row->alpha_peak,
-                                        &c_l,
-                                        &c_t};
-    double v[COLUMNS] = {s[0]->pressure, s[0]->width, row->distance.value, row->distance.error, (double)row->samples};
-    int at = 5;
-    for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
-        v[at++] = pairs[k]->value;
-        v[at++] = pairs[k]->error;
-    }
-    v[at++] = over;
-    v[at++] = row->between;
-    v[at++] = s[0]->friction;
-    v[at++] = s[0]->dim;
-    v[at++] = s[0]->grains;
     sp_interval interval;
     const sp_status status = speed_interval(f, r, level, scratch, &interval, err);
     if (status != SP_OK)
         return status;
-    v[at++] = interval.low;
-    v[at] = interval.high;
+    const double begin[FIRST] = {s[0]->pressure, s[0]->width, row->distance.value, row->distance.error,
+                                 (double)row->samples},
+                 end[LAST] = {c_l.value,      c_l.error, c_t.value,    c_t.error,    over,         row->between,
+                              s[0]->friction, s[0]->dim, s[0]->grains, interval.low, interval.high};
+    double v[COLUMNS];
+    memcpy(v, begin, sizeof begin);
+    for (int k = 0; k < ESTIMATES; k++) {
+        sp_estimate one;
+        memcpy(&one, (const char *)row + estimates[k].offset, sizeof one);
+        v[FIRST + 2 * k] = one.value;
+        v[FIRST + 2 * k + 1] = one.error;
+    }
+    memcpy(v + FIRST + 2 * ESTIMATES, end, sizeof end);
     return sp_table_add_numbers(t, v, err);
 }
 
@@ -319,7 +305,7 @@ static sp_status explain(bool planes, double level, sp_table *t, sp_error *err) 
 }
 
 sp_status sp_scaling_fill(int64_t n, const sp_sample *const *s, bool planes, double level, sp_table *t, sp_error *err) {
-    sp_status status = sp_columns_add(t, COLUMNS, columns, err);
+    sp_status status = add_columns(t, err);
     if (status == SP_OK)
         status = explain(planes, level, t, err);
     for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {

@@ -107,72 +107,47 @@ const sp_field sp_fields[] = {
 #undef KEY
 #undef LIST
 
-    {"material.E", SP_FIELD_REAL, AT(material.young), NULL,
-     LIMITS("material.E", REAL, material.young, 0, "Pa", 1, 1e15, true),
-     "Young's modulus of the grains; the material turns numbers into SI units, and changes no packing; 0: not known"},
-    {"material.nu", SP_FIELD_REAL, AT(material.poisson), NULL,
-     LIMITS("material.nu", REAL, material.poisson, 0, "", 0, 0.5, false),
-     "Poisson's ratio of the grains, which packing.poisson has too where it is not given"},
-    {"material.rho", SP_FIELD_REAL, AT(material.density), NULL,
-     LIMITS("material.rho", REAL, material.density, 0, "kg/m^3", 1e-3, 1e6, true), "density of the grains"},
-    {"material.d", SP_FIELD_REAL, AT(material.diameter), NULL,
-     LIMITS("material.d", REAL, material.diameter, 0, "m", 1e-10, 1e3, true), "mean diameter of the grains"},
-    {"network.threshold", SP_FIELD_REAL, AT(network.threshold), NULL,
-     LIMITS("network.threshold", REAL, network.threshold, 0, "p d^2", 0, 1, false),
-     "contacts with a larger normal force carry force"},
-    {"network.prestress",
-     SP_FIELD_BOOL,
-     AT(network.prestress),
-     NULL,
-     {0},
-     "include the forces at rest in the stiffness"},
-    {"network.sliding_free",
-     SP_FIELD_BOOL,
-     AT(network.sliding_free),
-     NULL,
-     {0},
-     "no tangential stiffness at contacts on the Coulomb limit"},
-    {"network.tangential",
-     SP_FIELD_WORD,
-     AT(network.tangential),
-     springs,
-     {0},
-     "tangential stiffness: of full stick; as Mindlin's law has it for further first loading; or the lowest after any "
-     "history"},
-    {"signal.method", SP_FIELD_WORD, AT(signal.method), methods, {0}, "how the force on the top wall is computed"},
-    {"signal.source",
-     SP_FIELD_WORD,
-     AT(signal.source),
-     sources,
-     {0},
-     "what is given to the bottom grains: momentum, velocity or displacement, in proportion to their stiffness to the "
-     "wall"},
-    {"signal.until", SP_FIELD_REAL, AT(signal.until), NULL,
-     LIMITS("signal.until", REAL, signal.until, 0, "d/sqrt(E* / rho)", 0, 1e9, false),
-     "last time; 0: after the first front has passed"},
-    {"signal.points", SP_FIELD_INT, AT(signal.points), NULL,
-     LIMITS("signal.points", INT, signal.points, 0, "", 2, 1e7, false), "number of equally spaced times, from 0"},
-    {"signal.tolerance", SP_FIELD_REAL, AT(signal.tolerance), NULL,
-     LIMITS("signal.tolerance", REAL, signal.tolerance, 0, "max |F|", 1e-15, 0.1, false), "error of the signal"},
+#define ROW(key, type, member, unit, low, high, zero, words, meaning)                                                  \
+    { key, SP_FIELD_##type, AT(member), words, LIMITS(key, type, member, 0, unit, low, high, zero), meaning }
+#define CHOICE(key, type, member, words, meaning)                                                                      \
+    { key, SP_FIELD_##type, AT(member), words, {0}, meaning }
+    ROW("material.E", REAL, material.young, "Pa", 1, 1e15, true, NULL,
+        "Young's modulus of the grains; the material turns numbers into SI units, and changes no packing; 0: not "
+        "known"),
+    ROW("material.nu", REAL, material.poisson, "", 0, 0.5, false, NULL,
+        "Poisson's ratio of the grains, which packing.poisson has too where it is not given"),
+    ROW("material.rho", REAL, material.density, "kg/m^3", 1e-3, 1e6, true, NULL, "density of the grains"),
+    ROW("material.d", REAL, material.diameter, "m", 1e-10, 1e3, true, NULL, "mean diameter of the grains"),
+    ROW("network.threshold", REAL, network.threshold, "p d^2", 0, 1, false, NULL,
+        "contacts with a larger normal force carry force"),
+    CHOICE("network.prestress", BOOL, network.prestress, NULL, "include the forces at rest in the stiffness"),
+    CHOICE("network.sliding_free", BOOL, network.sliding_free, NULL,
+           "no tangential stiffness at contacts on the Coulomb limit"),
+    CHOICE(
+        "network.tangential", WORD, network.tangential, springs,
+        "tangential stiffness: of full stick; as Mindlin's law has it for further first loading; or the lowest after "
+        "any history"),
+    CHOICE("signal.method", WORD, signal.method, methods, "how the force on the top wall is computed"),
+    CHOICE(
+        "signal.source", WORD, signal.source, sources,
+        "what is given to the bottom grains: momentum, velocity or displacement, in proportion to their stiffness to "
+        "the wall"),
+    ROW("signal.until", REAL, signal.until, "d/sqrt(E* / rho)", 0, 1e9, false, NULL,
+        "last time; 0: after the first front has passed"),
+    ROW("signal.points", INT, signal.points, "", 2, 1e7, false, NULL, "number of equally spaced times, from 0"),
+    ROW("signal.tolerance", REAL, signal.tolerance, "max |F|", 1e-15, 0.1, false, NULL, "error of the signal"),
     {"signal.planes", SP_FIELD_REALS, AT(plane), NULL,
      LIMITS("signal.planes", REALS, plane, AT(planes), "d", 0.01, 1e6, false),
      "heights above the bottom wall at which planes of study.want records fronts, ascending, at most 32"},
-    {"study.samples", SP_FIELD_INT, AT(samples), NULL, LIMITS("study.samples", INT, samples, 0, "", 1, 1e7, false),
-     "number of seeds of each combination: packing.seed and those that follow"},
-    {"study.want",
-     SP_FIELD_LIST,
-     AT(want),
-     wants,
-     {0},
-     "results to compute; packings: only the packings; signal: stored signals, for `sonopack table signal' (study "
-     "prints no table of these two); spectrum: every frequency, for the density of states"},
-    {"study.sweep",
-     SP_FIELD_SWEEP,
-     AT(sweep),
-     NULL,
-     {0},
-     "keys to sweep, in every combination: ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... ); keys with "
-     "a list or a range in place of a value are swept as well"},
+    ROW("study.samples", INT, samples, "", 1, 1e7, false, NULL,
+        "number of seeds of each combination: packing.seed and those that follow"),
+    CHOICE(
+        "study.want", LIST, want, wants,
+        "results to compute; packings: only the packings; signal: stored signals, for `sonopack table signal' (study "
+        "prints no table of these two); spectrum: every frequency, for the density of states"),
+    CHOICE("study.sweep", SWEEP, sweep, NULL,
+           "keys to sweep, in every combination: ( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, ... ); keys "
+           "with a list or a range in place of a value are swept as well"),
 
 #define KEY(name, type, member, value, unit, low, high, zero, words, meaning)                                          \
     {"column." name,                                                                                                   \
@@ -188,7 +163,7 @@ const sp_field sp_fields[] = {
      NULL,                                                                                                             \
      LIMITS("column." name, REALS, tapped.member, AT(tapped.count), unit, low, high, false),                           \
      meaning},
-#include "tapped/keys.inc"
+#include "tapped/column_keys.inc"
 #undef KEY
 #undef LIST
 };

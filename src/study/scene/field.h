@@ -78,6 +78,8 @@ sp_number sp_field_load(const sp_scene *s, const sp_field *f);
 
 /* Adds the value of a field in the syntax of a scene. */
 void sp_field_put(sp_text *t, const sp_scene *s, const sp_field *f);
+/* The finished text; NULL without memory. */
+char *sp_field_text_end(sp_text *t);
 
 /* ---- lists ------------------------------------------------------------------------------------------------------ */
 

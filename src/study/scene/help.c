@@ -1,7 +1,6 @@
 /* Explains the keys of scenes: all of them, or one. */
 #include "base/base.h"
 #include "base/text.h"
-#include "scene/example.h"
 #include "scene/field.h"
 
 #include <stdio.h>
@@ -33,15 +32,6 @@ static const char head[] =
     "with the first value of each list or range in place of a value. --set takes lists and ranges, too.\n\n"
     "The group column is for `sonopack column' only, in cm, g and s. It is independent of the other groups.\n";
 
-/* The finished text; NULL without memory. */
-static char *finish(sp_text *t) {
-    sp_text_add(t, "%s", "");
-    if (!t->failed)
-        return t->data;
-    sp_text_free(t);
-    return NULL;
-}
-
 /* The value as people write it: the text of a scene marks 64 bits with L, and printf pads exponents. */
 static void put_plain(sp_text *t, const sp_scene *s, const sp_field *f) {
     char value[SP_NUMBER_TEXT];
@@ -67,13 +57,110 @@ char *sp_scene_help(void) {
             sp_text_add(&t, "    must be %s\n", sp_field_right(f, right, sizeof right));
     }
     sp_scene_free(&s);
-    return finish(&t);
+    return sp_field_text_end(&t);
 }
 
 /* ---- one key ---------------------------------------------------------------------------------------------------- */
 
+#define PAPER "Somfai et al. 2005, section III"
+
+/* For the help of one key: a value to try, in the syntax of --set, and where the default comes from. */
+static const struct example {
+    const char *key, *value, *source;
+} examples[] = {
+    {"packing.kind", "triangular", PAPER},
+    {"packing.cell", "periodic", PAPER},
+    {"packing.file", "P.h5", "none: only kind = file needs it"},
+    {"packing.content", "0", "none: any packing"},
+    {"packing.dimension", "3", PAPER ": disks in the plane"},
+    {"packing.grains", "1000", PAPER},
+    {"packing.width", "12", PAPER},
+    {"packing.depth", "10", "physics.md, Preparation: a square base"},
+    {"packing.height", "25", "none: packing.grains decides"},
+    {"packing.pressure", "1e-6", "the largest of the four pressures of Somfai et al. 2005"},
+    {"packing.stress", "[1e-4, 1.2e-4, 1e-5]", "none: packing.pressure decides"},
+    {"packing.gravity", "1e-6", PAPER},
+    {"packing.history", "[1e-3, 1e-5]", "none: a single pressure"},
+    {"packing.friction", "0.3", PAPER},
+    {"packing.tangential", "history", PAPER},
+    {"packing.poisson", "0.3", PAPER ": k_t = k_n at nu = 0"},
+    {"packing.sizes", "bidisperse", PAPER},
+    {"packing.diameter_min", "0.7", PAPER ": 0.8 to 1.2"},
+    {"packing.diameter_max", "1.4", PAPER ": 0.8 to 1.2"},
+    {"packing.large_fraction", "0.3", "physics.md, Sizes of grains: as many large grains as small ones"},
+    {"packing.size_spread", "0.1", "physics.md, Sizes of grains"},
+    {"packing.diameters", "[0.9, 1.1]", "none: only sizes = list needs it"},
+    {"packing.diameter_file", "sizes.txt", "none: only sizes = list needs it"},
+    {"packing.compression", "isotropic", PAPER},
+    {"packing.protocol", "quick",
+     "physics.md, Preparation: the motion of Somfai et al. 2005 with longer steps at the end"},
+    {"packing.reference", "true", "physics.md, Preparation"},
+    {"packing.seed", "7", "none: any seed is as good"},
+    {"packing.tolerance", "1e-11",
+     "Somfai et al. 2005 have 1e-10; physics.md, Preparation, says why less at small pressures"},
+    {"packing.damping", "0.5", "physics.md, Preparation: chosen for the tables of Somfai et al. 2005"},
+    {"packing.piston_mass", "5", "physics.md, Preparation: chosen for the tables of Somfai et al. 2005"},
+    {"packing.gas_fraction", "0.2", "physics.md, Preparation: chosen for the tables of Somfai et al. 2005"},
+    {"packing.time_step", "0.5", "physics.md, Preparation: the largest that does not change the packings"},
+    {"packing.calm", "0.1", "physics.md, Preparation"},
+    {"packing.drag", "0.005", "physics.md, Preparation: the fastest in boxes of 24 d"},
+    {"packing.calm_damping", "0.4", "physics.md, Preparation"},
+    {"packing.viscous_limit", "1", "physics.md, Preparation"},
+    {"packing.max_steps", "2000000", "physics.md, Preparation: generous"},
+    {"material.E", "70e9", "none: units.md"},
+    {"material.nu", "0.22", "none: units.md"},
+    {"material.rho", "2500", "none: units.md"},
+    {"material.d", "1e-3", "none: units.md"},
+    {"network.threshold", "1e-5", "physics.md, The network"},
+    {"network.prestress", "true", "physics.md, The network"},
+    {"network.sliding_free", "true", "physics.md, The network"},
+    {"network.tangential", "loading", PAPER},
+    {"signal.method", "dense", "physics.md, The signal: the fastest that keeps the tolerance"},
+    {"signal.source", "displacement", "physics.md, The signal"},
+    {"signal.until", "500", "physics.md, The signal: (8 H + 40)(p/1e-4)^(-1/6), after the first front"},
+    {"signal.points", "2001", "physics.md, The signal"},
+    {"signal.tolerance", "1e-6", "physics.md, The signal"},
+    {"signal.planes", "[8, 12, 16]", "none: only study.want with planes needs it"},
+    {"study.samples", "30", "none; Somfai et al. 2005 have 30"},
+    {"study.want", "[\"ctof\", \"moduli\"]", "guide.md: the speed of the front"},
+    {"study.sweep", "( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; } )", "none: one combination"},
+    {"column.particles", "10", "physics.md, The tapped column"},
+    {"column.frequency", "10", "Blackmore et al. 2011"},
+    {"column.period", "0.5", "physics.md, The tapped column"},
+    {"column.taps", "100", "physics.md, The tapped column"},
+    {"column.amplitude", "0.5", "Blackmore et al. 2011"},
+    {"column.e", "0.5", "Blackmore et al. 2011"},
+    {"column.stiffness", "1e7", "physics.md, The tapped column"},
+    {"column.gravity", "981", "standard gravity"},
+    {"column.drop", "2", "physics.md, The tapped column: at rest"},
+    {"column.mass", "[1, 2]", "physics.md, The tapped column"},
+    {"column.radius", "[1, 0.8]", "physics.md, The tapped column"},
+    {"column.model", "longwave", "physics.md, The tapped column: the particles themselves"},
+    {"column.method", "smooth", "physics.md, The tapped column: exact"},
+    {"column.bsr", "signed", "physics.md, The tapped column: the only one that carries a column"},
+    {"column.output", "strobe", "guide.md"},
+    {"column.step", "0.01", "guide.md"},
+    {"column.alpha_v", "10", "physics.md, The tapped column"},
+    {"column.alpha_x", "1e3", "physics.md, The tapped column: the step itself"},
+    {"column.time_step", "1e-5", "physics.md, The tapped column: the largest stable one"},
+    {"column.tolerance", "1e-6", "physics.md, The tapped column"},
+    {"column.cells", "16", "physics.md, The tapped column"},
+    {"column.parameter", "frequency", "guide.md"},
+    {"column.from", "0.5", "none: the value in the scene"},
+    {"column.to", "2", "none: the value in the scene"},
+    {"column.points", "101", "none: one value"},
+    {"column.transient", "500", "physics.md, The tapped column"},
+};
+
+static const struct example *example_of(const sp_field *f) {
+    for (size_t k = 0; k < sizeof examples / sizeof *examples; k++)
+        if (strcmp(examples[k].key, f->key) == 0)
+            return &examples[k];
+    return NULL;
+}
+
 static void put_key(sp_text *t, const sp_scene *s, const sp_field *f) {
-    const sp_example *example = sp_field_example(f);
+    const struct example *example = example_of(f);
     const sp_key *limits = sp_field_limits(f);
     char right[200];
     sp_text_add(t, "%s\n  meaning  %s\n", f->key, f->meaning);
@@ -101,7 +188,7 @@ char *sp_scene_help_key(const char *word) {
         put_key(&t, &s, f);
     }
     sp_scene_free(&s);
-    return finish(&t);
+    return sp_field_text_end(&t);
 }
 
 const char *sp_scene_key(int k) { return k >= 0 && k < SP_FIELDS ? sp_fields[k].key : NULL; }

@@ -2,8 +2,8 @@
 #define SP_READER_H
 /* Reads a scene from the settings of libconfig. Arrays have become lists before (scene/source.h).
  *
- * From the bottom: value.c reads single values, list.c lists, range.c ranges, sweep.c sweeps; check.c checks the whole
- * scene; read.c calls all of them. */
+ * From the bottom: values.c reads single values and lists, sweep.c ranges and sweeps; check.c checks the whole scene;
+ * read.c calls all of them. */
 
 #include "scene/field.h"
 
@@ -64,9 +64,6 @@ sp_status sp_read_direct(sp_reader *r, const sp_field *f, const config_setting_t
 void sp_drop_direct(sp_reader *r, const sp_field *f);
 /* Appends these sweeps to the sweeps of study.sweep. *listed counts the latter. */
 sp_status sp_join_sweeps(sp_reader *r, int *listed);
-/* Reads { from = 1e-7; to = 1e-4; count = 4; spacing = "log"; } as the values of a sweep. A member named "key" is
- * ignored. */
-sp_status sp_read_range(sp_reader *r, const sp_field *f, const config_setting_t *range, sp_sweep *sweep);
 
 /* ---- checks ----------------------------------------------------------------------------------------------------- */
 

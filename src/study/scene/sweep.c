@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "scene/reader.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -43,6 +44,165 @@ static sp_status check_values_differ(const sp_reader *r, const sp_sweep *sweep) 
     return status;
 }
 
+/* ---- ranges ----------------------------------------------------------------------------------------------------- */
+
+enum { MOST_VALUES = 10000 };
+
+/* From one number to another in equal steps or equal ratios. */
+typedef struct range {
+    const sp_field *f;
+    double from, to, step; /* NAN: not given */
+    int count;             /* 0: not given */
+    bool log;
+} range;
+
+static sp_status read_count(const sp_reader *r, range *g, const config_setting_t *setting) {
+    sp_number number;
+    if (!sp_reader_number(setting, &number) ||
+        !(number.real >= 2 && number.real <= MOST_VALUES && number.real == floor(number.real)))
+        return sp_fail_key(r->err, SP_EINVAL, g->f->key, ": count of a range must be an integer 2 .. %d", MOST_VALUES);
+    g->count = (int)number.real;
+    return SP_OK;
+}
+
+static sp_status read_step(const sp_reader *r, range *g, const config_setting_t *setting) {
+    sp_number number;
+    sp_status status = sp_reader_quantity(r, g->f, setting, &number);
+    if (status == SP_OK && !(isfinite(number.real) && fabs(number.real) > 0))
+        status = sp_fail_key(r->err, SP_EINVAL, g->f->key, ": step of a range must be a number other than 0");
+    g->step = number.real;
+    return status;
+}
+
+static sp_status read_spacing(const sp_reader *r, range *g, const config_setting_t *setting) {
+    const char *word = config_setting_get_string(setting);
+    g->log = word && strcmp(word, "log") == 0;
+    return g->log || (word && strcmp(word, "linear") == 0)
+               ? SP_OK
+               : sp_fail_key(r->err, SP_EINVAL, g->f->key, ": spacing of a range must be \"linear\" or \"log\"");
+}
+
+static sp_status read_member(sp_reader *r, range *g, const config_setting_t *group, const config_setting_t *member) {
+    static const char *const members[] = {"from", "to", "count", "step", "spacing"};
+    enum { MEMBERS = sizeof members / sizeof *members };
+    const char *name = config_setting_name(member);
+    int which = 0;
+    while (which < MEMBERS && strcmp(name, members[which]) != 0)
+        which++;
+    r->line = config_setting_source_line(member);
+    switch (which) {
+    case 0: return sp_reader_swept_number(r, g->f, member, &g->from);
+    case 1: return sp_reader_swept_number(r, g->f, member, &g->to);
+    case 2: return read_count(r, g, member);
+    case 3: return read_step(r, g, member);
+    case 4: return read_spacing(r, g, member);
+    default: break;
+    }
+    if (strcmp(name, "key") == 0 && !config_setting_name(group)) /* an entry of study.sweep */
+        return SP_OK;
+    const char *near = sp_nearest_word(name, MEMBERS, members);
+    return sp_fail_key(r->err, SP_EINVAL, g->f->key,
+                       ": a range has no \"%.60s\": must be from, to, count or step, spacing%s%s%s", name,
+                       near ? " (did you mean " : "", near ? near : "", near ? "?)" : "");
+}
+
+/* The number of values that a step makes, which must divide the range. */
+static sp_status count_steps(const sp_reader *r, range *g) {
+    const double steps = (g->to - g->from) / g->step, whole = floor(steps + 0.5);
+    const char *key = g->f->key;
+    if (!(steps > 0))
+        return sp_fail_key(r->err, SP_EINVAL, key, ": step = %g of a range must lead from %g to %g", g->step, g->from,
+                           g->to);
+    if (steps > MOST_VALUES - 0.5)
+        return sp_fail_key(r->err, SP_EINVAL, key, ": step = %g of a range makes %.6g values: must be %d at the most",
+                           g->step, floor(steps) + 1, MOST_VALUES);
+    if (whole < 1 || fabs(steps - whole) > 1e-9 * steps)
+        return sp_fail_key(r->err, SP_EINVAL, key, ": step = %g of a range must divide its length %g, not %.6g times",
+                           g->step, fabs(g->to - g->from), steps);
+    g->count = (int)whole + 1;
+    return SP_OK;
+}
+
+static sp_status check_range(const sp_reader *r, range *g) {
+    const char *key = g->f->key;
+    if (isnan(g->from) || isnan(g->to) || (g->count == 0) == isnan(g->step))
+        return sp_fail_key(r->err, SP_EINVAL, key,
+                           ": a range must be { from = 1e-7; to = 1e-4; count = 4; spacing = \"log\"; } or { from = 0; "
+                           "to = 0.5; step = 0.1; }");
+    if (!(g->from < g->to || g->from > g->to))
+        return sp_fail_key(r->err, SP_EINVAL, key, ": a range from %g to %g: must have two ends", g->from, g->to);
+    if (g->log && !(g->from > 0 && g->to > 0))
+        return sp_fail_key(r->err, SP_EINVAL, key, ": a range from %g to %g with spacing = \"log\": must be above 0",
+                           g->from, g->to);
+    if (g->log && g->count == 0)
+        return sp_fail_key(r->err, SP_EINVAL, key, ": a range with spacing = \"log\" must have a count, not a step");
+    return g->count > 0 ? SP_OK : count_steps(r, g);
+}
+
+/* Removes rounding errors: a value within 1e-14 of a number of 12 digits becomes that number, so that decades are
+ * exact. */
+static double rounded(double value) {
+    char text[SP_NUMBER_TEXT];
+    snprintf(text, sizeof text, "%.12g", value);
+    const double few = strtod(text, NULL);
+    return fabs(few - value) <= 1e-14 * fabs(value) ? few + 0.0 : value;
+}
+
+/* Value k of a range. Long doubles make the last bit independent of the library's pow. */
+static long double value_at(const range *g, int k) {
+    const int last = g->count - 1;
+    const long double from = g->from, to = g->to;
+    if (k == 0 || k == last)
+        return k == 0 ? from : to;
+    return g->log ? from * powl(to / from, (long double)k / last) : (from * (last - k) + to * k) / last;
+}
+
+static sp_status make_integers(const sp_reader *r, const range *g, double *values) {
+    const int last = g->count - 1;
+    for (int k = 0; k < g->count; k++) {
+        const __int128 sum = (__int128)g->from * (last - k) + (__int128)g->to * k; /* last times value k */
+        if (!g->log && sum % last != 0)
+            return sp_fail_key(r->err, SP_EINVAL, g->f->key,
+                               ": the range from %.17g to %.17g has %.6Lg as value %d of %d: must be integers", g->from,
+                               g->to, value_at(g, k), k + 1, g->count);
+        values[k] = g->log ? (double)floorl(value_at(g, k) + 0.5L) : (double)(sum / last);
+        if (k > 0 && !(values[k] < values[k - 1] || values[k] > values[k - 1]))
+            return sp_fail_key(r->err, SP_EINVAL, g->f->key,
+                               ": a range of %d integers from %.17g to %.17g has %.17g twice: must be fewer", g->count,
+                               g->from, g->to, values[k]);
+    }
+    return SP_OK;
+}
+
+/* Reads { from = 1e-7; to = 1e-4; count = 4; spacing = "log"; } as the values of a sweep. */
+static sp_status read_range(sp_reader *r, const sp_field *f, const config_setting_t *group, sp_sweep *sweep) {
+    range g = {.f = f, .from = NAN, .to = NAN, .step = NAN};
+    const unsigned line = r->line;
+    sp_status status = sp_field_is_number(f) ? SP_OK
+                                             : sp_fail_key(r->err, SP_EINVAL, f->key,
+                                                           ": a range has numbers only: other values must be a list");
+    for (int k = 0; k < config_setting_length(group) && status == SP_OK; k++)
+        status = read_member(r, &g, group, config_setting_get_elem(group, (unsigned)k));
+    if (status != SP_OK)
+        return status;
+    r->line = line;
+    status = check_range(r, &g);
+    if (status != SP_OK)
+        return status;
+    sweep->count = g.count;
+    sweep->values = sp_alloc((size_t)g.count, sizeof *sweep->values);
+    if (!sweep->values)
+        return sp_fail_memory(r->err, (size_t)g.count * sizeof *sweep->values);
+    if (f->type != SP_FIELD_REAL)
+        return make_integers(r, &g, sweep->values);
+    for (int k = 0; k < g.count; k++) {
+        const bool end = k == 0 || k == g.count - 1;
+        const double value = (double)value_at(&g, k);
+        sweep->values[k] = end ? value : rounded(value);
+    }
+    return SP_OK;
+}
+
 /* ---- lists ------------------------------------------------------------------------------------------------------ */
 
 /* Reads one value of a key that is no list. */
@@ -64,20 +224,12 @@ static sp_status read_value(sp_reader *r, const sp_field *f, const config_settin
     return SP_OK;
 }
 
-static sp_status read_scalars(sp_reader *r, const sp_field *f, const config_setting_t *values, sp_sweep *sweep) {
+/* Reads the values of a list into *sweep. Those of a key that is a list itself stand one after the other. */
+static sp_status read_list_values(sp_reader *r, const sp_field *f, const config_setting_t *values, sp_sweep *sweep) {
+    const bool lists = f->type == SP_FIELD_REALS;
+    size_t total = lists ? 0 : (size_t)sweep->count;
     sp_status status = SP_OK;
-    sweep->values = sp_alloc((size_t)sweep->count, sizeof *sweep->values);
-    if (!sweep->values)
-        return sp_fail_memory(r->err, (size_t)sweep->count * sizeof *sweep->values);
-    for (int k = 0; k < sweep->count && status == SP_OK; k++)
-        status = read_value(r, f, config_setting_get_elem(values, (unsigned)k), &sweep->values[k]);
-    return status;
-}
-
-static sp_status read_lists(sp_reader *r, const sp_field *f, const config_setting_t *values, sp_sweep *sweep) {
-    size_t total = 0;
-    sp_status status = SP_OK;
-    for (int k = 0; k < sweep->count && status == SP_OK; k++) {
+    for (int k = 0; lists && k < sweep->count && status == SP_OK; k++) {
         const config_setting_t *list = config_setting_get_elem(values, (unsigned)k);
         r->line = config_setting_source_line(list);
         status = config_setting_is_list(list) ? sp_reader_length(r, f, list) : sp_reader_wrong(r, f, list);
@@ -86,13 +238,15 @@ static sp_status read_lists(sp_reader *r, const sp_field *f, const config_settin
     if (status != SP_OK)
         return status;
     sweep->values = sp_alloc(total, sizeof *sweep->values);
-    sweep->begin = sp_alloc((size_t)sweep->count + 1, sizeof *sweep->begin);
-    if (!sweep->values || !sweep->begin)
+    sweep->begin = lists ? sp_alloc((size_t)sweep->count + 1, sizeof *sweep->begin) : NULL;
+    if (!sweep->values || (lists && !sweep->begin))
         return sp_fail_memory(r->err, total * sizeof *sweep->values);
     for (int k = 0; k < sweep->count && status == SP_OK; k++) {
-        const config_setting_t *list = config_setting_get_elem(values, (unsigned)k);
-        sweep->begin[k + 1] = sweep->begin[k] + config_setting_length(list);
-        status = sp_reader_list(r, f, list, sweep->values + sweep->begin[k]);
+        const config_setting_t *one = config_setting_get_elem(values, (unsigned)k);
+        if (lists)
+            sweep->begin[k + 1] = sweep->begin[k] + config_setting_length(one);
+        status = lists ? sp_reader_list(r, f, one, sweep->values + sweep->begin[k])
+                       : read_value(r, f, one, &sweep->values[k]);
     }
     return status;
 }
@@ -103,7 +257,7 @@ static sp_status read_values(sp_reader *r, const sp_field *f, const config_setti
     sp_status status;
     snprintf(sweep->key, sizeof sweep->key, "%s", f->key);
     if (config_setting_is_group(values)) {
-        status = sp_read_range(r, f, values, sweep);
+        status = read_range(r, f, values, sweep);
     } else {
         sweep->count = config_setting_is_list(values) ? config_setting_length(values) : 0;
         if (sweep->count < 1)
@@ -113,7 +267,7 @@ static sp_status read_values(sp_reader *r, const sp_field *f, const config_setti
                                : f->type == SP_FIELD_BOOL
                                    ? "[false, true]"
                                    : "[1e-7, 1e-4], or a range { from = 1e-7; to = 1e-4; count = 4; }");
-        status = f->type == SP_FIELD_REALS ? read_lists(r, f, values, sweep) : read_scalars(r, f, values, sweep);
+        status = read_list_values(r, f, values, sweep);
     }
     if (status != SP_OK)
         return status;
@@ -147,14 +301,14 @@ static sp_status find_key(const sp_reader *r, const char *key, const sp_field **
 static sp_status read_sweep(sp_reader *r, const config_setting_t *one, sp_sweep *sweep) {
     const char *key = NULL;
     const config_setting_t *values = NULL;
-    bool range = false;
+    bool ranged = false;
     r->line = config_setting_source_line(one);
     if (config_setting_is_group(one)) {
         config_setting_lookup_string(one, "key", &key);
         values = config_setting_get_member(one, "values");
-        range = config_setting_get_member(one, "from") || config_setting_get_member(one, "to");
+        ranged = config_setting_get_member(one, "from") || config_setting_get_member(one, "to");
     }
-    if (!key || (!values && !range) || (values && config_setting_length(one) != 2))
+    if (!key || (!values && !ranged) || (values && config_setting_length(one) != 2))
         return sp_fail_key(r->err, SP_EINVAL, "study.sweep",
                            ": each entry must be { key = \"packing.pressure\"; values = [1e-7, 1e-4]; }, or { "
                            "key = \"packing.pressure\"; from = 1e-7; to = 1e-4; count = 4; spacing = \"log\"; }");

@@ -6,8 +6,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The finished text; NULL without memory. */
-static char *finish(sp_text *t) {
+char *sp_field_text_end(sp_text *t) {
     sp_text_add(t, "%s", "");
     if (!t->failed)
         return t->data;
@@ -137,5 +136,5 @@ char *sp_scene_text(const sp_scene *s, const char *group) {
         }
         sp_text_add(&t, "};\n");
     }
-    return finish(&t);
+    return sp_field_text_end(&t);
 }

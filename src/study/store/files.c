@@ -63,17 +63,13 @@ sp_status sp_store_get(const sp_store *store, const char *name, sp_packing *pack
     sp_record r = {0};
     sp_packing p = sp_packing_none();
     sp_h5 h;
-    sp_status status = sp_h5_open(&h, path, err);
     int64_t format;
-    if (status == SP_OK)
-        status = sp_packing_get_format(&h, &format, err);
-    if (status == SP_OK)
-        status = sp_record_get(&h, with_arrays, &r, err);
-    if (status == SP_OK && strcmp(r.sample.name, name) != 0)
-        status = sp_fail(err, SP_EFORMAT, "%s: holds the sample %s, which is not its name", path, r.sample.name);
-    if (status == SP_OK && packing)
-        status = sp_packing_get(&h, &p, err);
-    sp_h5_close(&h);
+    if (sp_h5_open(&h, path, err) == SP_OK && sp_packing_get_format(&h, &format) == SP_OK &&
+        sp_record_get(&h, with_arrays, &r) == SP_OK && strcmp(r.sample.name, name) != 0)
+        sp_h5_fail(&h, SP_EFORMAT, "holds the sample %s, which is not its name", r.sample.name);
+    if (h.status == SP_OK && packing)
+        sp_packing_get(&h, &p);
+    const sp_status status = sp_h5_close(&h);
     if (status != SP_OK) {
         sp_record_free(&r);
         return status;
@@ -88,12 +84,10 @@ sp_status sp_store_put(const sp_store *store, const sp_record *r, const sp_packi
     char path[SP_PATH_MAX];
     sp_store_path(store, r->sample.name, "h5", path);
     sp_h5 h;
-    sp_status status = sp_h5_create(&h, path, err);
-    if (status == SP_OK)
-        status = sp_packing_put(&h, packing, err);
-    if (status == SP_OK)
-        status = sp_record_put(&h, r, err);
-    return sp_h5_finish(&h, status, path, err);
+    sp_h5_create(&h, path, err);
+    sp_packing_put(&h, packing);
+    sp_record_put(&h, r);
+    return sp_h5_close(&h);
 }
 
 /* ---- all names ------------------------------------------------------------------------------------------------- */

@@ -2,12 +2,12 @@
 #define SP_STORE_FOLDER_H
 /* The files of a store.
  *
- * From the bottom: files.c reads and writes single files, lookup.c finds results by way of the manifest, recompute.c
- * makes results again; the sink of a study (sink.c), the check of a whole store (verify.c) and store.c use them. */
+ * From the bottom: files.c reads and writes single files, store.c finds results by way of the manifest, recompute.c
+ * makes results again; the sink of a study (sink.c) and the check of a whole store (verify.c) use them. */
 
 #include "base/file.h"
 #include "store/claim.h"
-#include "store/manifest.h"
+#include "store/records.h"
 #include "store/sample_h5.h"
 
 #include <sonopack/study/store.h>
@@ -47,10 +47,8 @@ typedef struct sp_name_list {
  * frees list->name, even after an error. */
 sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *err);
 
-/* ---- lookup.c --------------------------------------------------------------------------------------------------- */
+/* ---- store.c --------------------------------------------------------------------------------------------------- */
 
-/* The results of a sample, or else the record of its failure; from the manifest where that is up to date. */
-sp_status sp_store_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
 /* The results of a finished sample, all of whose file can be read; from the manifest where that is up to date. */
 sp_status sp_store_finished(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
 /* Whether the sample is recorded as failed. A damaged record does not count. */
@@ -58,8 +56,11 @@ bool sp_store_has_failed(const sp_store *store, const char *name);
 /* Adds the sample's file to the manifest. */
 void sp_store_enter(const sp_store *store, const sp_sample *sample);
 
-/* ---- recompute.c ------------------------------------------------------------------------------------------------- */
+/* ---- stated.c and recompute.c
+ * ------------------------------------------------------------------------------------------------- */
 
+/* Fails with the field at fault as the key of the error, its stored value, and what it must be. */
+sp_status sp_at_odds(sp_error *err, const char *field, double stored, double expected);
 /* Compares all that a file says of a sample with what its scene and its packing make of it; and checks the packing.
  * tolerance: of the audit. SP_EFAILED with the dataset at fault in err->key, SP_EINVAL for a scene that cannot be read,
  * SP_ENOMEM, SP_EIO. May run in several threads. */

@@ -1,4 +1,4 @@
-/* Builds HDF5 files in memory. */
+/* Writes groups, attributes and datasets. */
 #include "base/base.h"
 #include "store/h5.h"
 
@@ -19,17 +19,16 @@ static hid_t disk_type(sp_h5_type type) {
     return H5I_INVALID_HID;
 }
 
-static sp_status fail_put(sp_h5 *h, const char *path, sp_error *err) {
-    return sp_h5_fail(h, err, SP_ENOMEM, "cannot put %s into the file", path);
-}
-
-sp_status sp_h5_group(sp_h5 *h, const char *path, sp_error *err) {
+void sp_h5_group(sp_h5 *h, const char *path) {
+    if (h->status != SP_OK)
+        return;
     hid_t gcpl = H5Pcreate(H5P_GROUP_CREATE), group = H5I_INVALID_HID;
     /* no time stamps, so that equal data give equal bytes; up to 64 links in the header of the group */
     if (gcpl >= 0 && H5Pset_obj_track_times(gcpl, false) >= 0 && H5Pset_link_phase_change(gcpl, 64, 32) >= 0)
         group = H5Gcreate2(h->file, path, H5P_DEFAULT, gcpl, H5P_DEFAULT);
     H5Pclose(gcpl);
-    return group >= 0 && H5Gclose(group) >= 0 ? SP_OK : fail_put(h, path, err);
+    if (group < 0 || H5Gclose(group) < 0)
+        sp_h5_fail(h, SP_ENOMEM, "cannot put %s into the file", path);
 }
 
 /* ---- attributes ------------------------------------------------------------------------------------------------ */
@@ -46,9 +45,10 @@ static hid_t text_type(size_t length, bool ascii) {
     return type;
 }
 
-static sp_status put_attribute(sp_h5 *h, const char *object, const char *name, int count, hid_t type, const void *data,
-                               sp_error *err) {
+static void put_attribute(sp_h5 *h, const char *object, const char *name, int count, hid_t type, const void *data) {
     hsize_t dim = (hsize_t)count;
+    if (h->status != SP_OK)
+        return;
     hid_t space = count ? H5Screate_simple(1, &dim, NULL) : H5Screate(H5S_SCALAR);
     hid_t attribute = H5I_INVALID_HID;
     if (space >= 0 && type >= 0)
@@ -56,45 +56,35 @@ static sp_status put_attribute(sp_h5 *h, const char *object, const char *name, i
     bool good = attribute >= 0 && H5Awrite(attribute, type, data) >= 0;
     good = (attribute < 0 || H5Aclose(attribute) >= 0) && good;
     H5Sclose(space);
-    return good ? SP_OK
-                : sp_h5_fail(h, err, SP_ENOMEM, "cannot put the attribute %s of %s into the file", name, object);
+    if (!good)
+        sp_h5_fail(h, SP_ENOMEM, "cannot put the attribute %s of %s into the file", name, object);
 }
 
-sp_status sp_h5_attribute_texts(sp_h5 *h, const char *object, const char *name, int count, const char *const *text,
-                                sp_error *err) {
+void sp_h5_attribute_texts(sp_h5 *h, const char *object, const char *name, int count, const char *const *text) {
     size_t width = 1;
     const int texts = count ? count : 1;
     for (int k = 0; k < texts; k++)
         width = strlen(text[k]) > width ? strlen(text[k]) : width;
-    char *packed = sp_alloc((size_t)texts, width);
+    char *packed = sp_h5_alloc(h, texts, width);
     if (!packed)
-        return sp_fail_memory(err, (size_t)texts * width);
+        return;
     for (int k = 0; k < texts; k++)
         memcpy(packed + (size_t)k * width, text[k], strlen(text[k]));
     hid_t type = text_type(width, false);
-    sp_status status = put_attribute(h, object, name, count, type, packed, err);
+    put_attribute(h, object, name, count, type, packed);
     H5Tclose(type);
     sp_free(packed);
-    return status;
 }
 
-sp_status sp_h5_attribute_ints(sp_h5 *h, const char *object, const char *name, int count, const int32_t *value,
-                               sp_error *err) {
-    return put_attribute(h, object, name, count, H5T_NATIVE_INT32, value, err);
+void sp_h5_attribute_ints(sp_h5 *h, const char *object, const char *name, int count, const int32_t *value) {
+    put_attribute(h, object, name, count, H5T_NATIVE_INT32, value);
 }
 
-sp_status sp_h5_attribute_reference(sp_h5 *h, const char *object, const char *name, const char *target, sp_error *err) {
+void sp_h5_attribute_reference(sp_h5 *h, const char *object, const char *name, const char *target) {
     hobj_ref_t reference;
-    if (H5Rcreate(&reference, h->file, target, H5R_OBJECT, H5I_INVALID_HID) < 0)
-        return sp_h5_fail(h, err, SP_ENOMEM, "cannot refer to %s", target);
-    return put_attribute(h, object, name, 0, H5T_STD_REF_OBJ, &reference, err);
-}
-
-static sp_status describe(sp_h5 *h, const sp_h5_name *name, sp_error *err) {
-    sp_status status = sp_h5_attribute_texts(h, name->path, "unit", 0, &name->unit, err);
-    if (status == SP_OK)
-        status = sp_h5_attribute_texts(h, name->path, "description", 0, &name->description, err);
-    return status;
+    if (h->status == SP_OK && H5Rcreate(&reference, h->file, target, H5R_OBJECT, H5I_INVALID_HID) < 0)
+        sp_h5_fail(h, SP_ENOMEM, "cannot refer to %s", target);
+    put_attribute(h, object, name, 0, H5T_STD_REF_OBJ, &reference);
 }
 
 /* ---- datasets -------------------------------------------------------------------------------------------------- */
@@ -132,54 +122,60 @@ static hid_t creation_list(int rank, const hsize_t *dims, hid_t disk, size_t byt
     return dcpl;
 }
 
-static sp_status put_dataset(sp_h5 *h, const sp_h5_name *name, const hid_t type[2], hid_t space, hid_t dcpl,
-                             const void *data, sp_error *err) {
+/* type: on the disk, and in memory. Closes the space and the list. */
+static void put_dataset(sp_h5 *h, const sp_h5_name *name, const hid_t type[2], hid_t space, hid_t dcpl,
+                        const void *data) {
     hid_t set = H5I_INVALID_HID;
     if (type[0] >= 0 && space >= 0 && dcpl >= 0)
         set = H5Dcreate2(h->file, name->path, type[0], space, H5P_DEFAULT, dcpl, H5P_DEFAULT);
     bool good = set >= 0 && (H5Sget_simple_extent_npoints(space) == 0 ||
                              H5Dwrite(set, type[1], H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0);
     good = (set < 0 || H5Dclose(set) >= 0) && good;
-    return good ? describe(h, name, err) : fail_put(h, name->path, err);
+    H5Pclose(dcpl);
+    H5Sclose(space);
+    if (!good)
+        sp_h5_fail(h, SP_ENOMEM, "cannot put %s into the file", name->path);
+    sp_h5_attribute_texts(h, name->path, "unit", 0, &name->unit);
+    sp_h5_attribute_texts(h, name->path, "description", 0, &name->description);
 }
 
-static sp_status put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, bool single,
-                     const void *data, sp_error *err) {
+static void put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, bool single,
+                const void *data) {
     hsize_t dims[SP_H5_RANK];
     size_t bytes = sp_h5_type_size(type);
+    if (h->status != SP_OK)
+        return;
     for (int k = 0; k < shape->rank; k++) {
         dims[k] = (hsize_t)shape->dim[k];
         bytes *= (size_t)shape->dim[k];
     }
-    hid_t space = shape->rank ? H5Screate_simple(shape->rank, dims, NULL) : H5Screate(H5S_SCALAR);
-    hid_t dcpl = creation_list(shape->rank, dims, disk_type(type), bytes, single);
     const hid_t types[2] = {disk_type(type), sp_h5_memory_type(type)};
-    sp_status status = put_dataset(h, name, types, space, dcpl, data, err);
-    H5Pclose(dcpl);
-    H5Sclose(space);
-    return status;
+    put_dataset(h, name, types, shape->rank ? H5Screate_simple(shape->rank, dims, NULL) : H5Screate(H5S_SCALAR),
+                creation_list(shape->rank, dims, disk_type(type), bytes, single), data);
 }
 
-sp_status sp_h5_put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data,
-                    sp_error *err) {
-    return put(h, name, type, shape, false, data, err);
+void sp_h5_put(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data) {
+    put(h, name, type, shape, false, data);
 }
 
-sp_status sp_h5_put_rows(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data,
-                         sp_error *err) {
-    return put(h, name, type, shape, true, data, err);
+void sp_h5_put_rows(sp_h5 *h, const sp_h5_name *name, sp_h5_type type, const sp_h5_shape *shape, const void *data) {
+    put(h, name, type, shape, true, data);
 }
 
-sp_status sp_h5_put_text(sp_h5 *h, const sp_h5_name *name, const char *text, sp_error *err) {
+void sp_h5_put_fields(sp_h5 *h, int count, const sp_h5_field *field, const void *from) {
+    const sp_h5_shape single = {0};
+    for (const sp_h5_field *f = field; f < field + count; f++)
+        sp_h5_put(h, &f->name, f->type, &single, (const char *)from + f->offset);
+}
+
+void sp_h5_put_text(sp_h5 *h, const sp_h5_name *name, const char *text) {
     size_t length = strlen(text), ascii = 0;
+    if (h->status != SP_OK)
+        return;
     while (ascii < length && (unsigned char)text[ascii] < 0x80)
         ascii++;
-    hid_t type = text_type(length, ascii == length), space = H5Screate(H5S_SCALAR),
-          dcpl = creation_list(0, NULL, type, length, false);
-    const hid_t types[2] = {type, type};
-    sp_status status = put_dataset(h, name, types, space, dcpl, length ? text : "\0", err);
-    H5Pclose(dcpl);
-    H5Sclose(space);
+    const hid_t type = text_type(length, ascii == length), types[2] = {type, type};
+    put_dataset(h, name, types, H5Screate(H5S_SCALAR), creation_list(0, NULL, type, length, false),
+                length ? text : "\0");
     H5Tclose(type);
-    return status;
 }

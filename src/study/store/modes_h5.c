@@ -1,31 +1,39 @@
-/* Writes files of modes. */
-#include "store/modes_h5.h"
-
+/* Writes and reads files of modes. */
 #include "base/base.h"
-#include "base/file.h"
+#include "store/h5.h"
 
+#include <math.h>
+#include <sonopack/study/modes_file.h>
 #include <sonopack/version.h>
+#include <string.h>
+
+/* Increased when older versions would misread the format. */
+enum { MODES_FORMAT = 1 };
 
 #define FREQUENCY "sqrt(E* / rho)/d"
 
-const sp_h5_name sp_modes_name_vector = {
+static const sp_h5_name name_vector = {
     "/modes/vector", "1",
     "one mode a row: e = M^(1/2) u, orthonormal, the largest component positive; the "
     "first row is mode n_rattler of omega"};
-const sp_h5_name sp_modes_name_mass = {"/modes/mass", "rho d^3, rho d^5",
-                                       "mass, or moment of inertia, of each column of vector: u = vector / sqrt(mass)"};
-const sp_h5_name sp_modes_name_grain = {"/modes/grain", "1",
-                                        "grains of the network by their number in the packing, from 0"};
-const sp_h5_name sp_modes_name_column = {
+static const sp_h5_name name_mass = {"/modes/mass", "rho d^3, rho d^5",
+                                     "mass, or moment of inertia, of each column of vector: u = vector / sqrt(mass)"};
+static const sp_h5_name name_grain = {"/modes/grain", "1",
+                                      "grains of the network by their number in the packing, from 0"};
+static const sp_h5_name name_column = {
     "/modes/column", "1",
     "of each column of vector: the grain's number in the packing, and the component: 0, "
     "1, 2 displacement along x, y, z; 3, 4, 5 rotation about x, y, z"};
-const sp_h5_name sp_modes_name_rattler = {"/modes/rattler", "1", "grains that are not in the network"};
-const sp_h5_name sp_modes_name_packing = {"/modes/packing", "1", "hash of the packing's grains, contacts and box"};
-const sp_h5_name sp_modes_name_source = {"/modes/source", "1", "source of a: impulse, velocity or displacement"};
-const sp_h5_name sp_modes_name_solver = {"/modes/solver", "1", "dense: LAPACK; lanczos: block Lanczos; arpack: ARPACK"};
+static const sp_h5_name name_rattler = {"/modes/rattler", "1", "grains that are not in the network"};
+static const sp_h5_name name_packing = {"/modes/packing", "1", "hash of the packing's grains, contacts and box"};
+static const sp_h5_name name_source = {"/modes/source", "1", "source of a: impulse, velocity or displacement"};
+static const sp_h5_name name_solver = {"/modes/solver", "1", "dense: LAPACK; lanczos: block Lanczos; arpack: ARPACK"};
 
-const sp_modes_array sp_modes_arrays[SP_MODES_ARRAYS] = {
+/* Arrays with one number for each mode. */
+static const struct mode_array {
+    sp_h5_name name;
+    size_t offset; /* of the pointer in sp_modes */
+} array[] = {
     {{"/modes/omega", FREQUENCY, "angular frequency, ascending; 0: a zero mode"}, offsetof(sp_modes, omega)},
     {{"/modes/error", FREQUENCY, "upper bound of the error of omega"}, offsetof(sp_modes, error)},
     {{"/modes/a", "d sqrt(rho d^3)",
@@ -35,77 +43,68 @@ const sp_modes_array sp_modes_arrays[SP_MODES_ARRAYS] = {
     {{"/modes/participation", "1", "(sum w)^2/(N sum w^2), w = |e|^2 of a grain, N grains in the network"},
      offsetof(sp_modes, participation)},
 };
+enum { ARRAYS = sizeof array / sizeof *array };
 
-const sp_h5_field sp_modes_fields[] = {
-    {{"/modes/first", "1", "modes of the whole spectrum below the first of this file"},
-     SP_H5_I64,
-     offsetof(sp_modes, first)},
-    {{"/modes/n_rattler", "1", "zero modes of rattlers: the first of omega, without vectors"},
-     SP_H5_I64,
-     offsetof(sp_modes, n_rattler)},
-    {{"/modes/n_zero", "1", "modes with omega = 0, those of rattlers included"}, SP_H5_I64, offsetof(sp_modes, n_zero)},
-    {{"/modes/zero_rattlers", "1", "zero modes of the packing: of rattlers"},
-     SP_H5_I64,
-     offsetof(sp_modes, zero.rattlers)},
-    {{"/modes/zero_spins", "1", "zero modes of single grains that turn"}, SP_H5_I64, offsetof(sp_modes, zero.spins)},
-    {{"/modes/zero_rigid", "1", "zero modes of grains that move as a rigid body"},
-     SP_H5_I64,
-     offsetof(sp_modes, zero.rigid)},
-    {{"/modes/zero_mechanisms", "1", "zero modes of all other kinds"}, SP_H5_I64, offsetof(sp_modes, zero.mechanisms)},
-    {{"/modes/zero_total", "1", "all zero modes of the packing"}, SP_H5_I64, offsetof(sp_modes, zero.total)},
-    {{"/modes/zero_below", FREQUENCY, "modes below this frequency count as zero modes"},
-     SP_H5_F64,
-     offsetof(sp_modes, zero.below)},
-    {{"/modes/on_edge", "1", "modes within their own error of an end of the band"},
-     SP_H5_I64,
-     offsetof(sp_modes, on_edge)},
-    {{"/modes/certified_from", FREQUENCY, "no mode is missing from here ..."},
-     SP_H5_F64,
-     offsetof(sp_modes, certified_from)},
-    {{"/modes/certified_to", FREQUENCY, "... to here"}, SP_H5_F64, offsetof(sp_modes, certified_to)},
-    {{"/modes/residual", "1", "largest |A e - omega^2 e|/omega_max^2, A = M^(-1/2) K M^(-1/2)"},
-     SP_H5_F64,
-     offsetof(sp_modes, residual)},
-    {{"/modes/orthogonality", "1", "largest |e_m . e_n - delta_mn|"}, SP_H5_F64, offsetof(sp_modes, orthogonality)},
+/* Counts and certificate. */
+#define COUNT(path, member, meaning)                                                                                   \
+    { {"/modes/" path, "1", meaning}, SP_H5_I64, offsetof(sp_modes, member) }
+#define NUMBER(path, member, unit, meaning)                                                                            \
+    { {"/modes/" path, unit, meaning}, SP_H5_F64, offsetof(sp_modes, member) }
+static const sp_h5_field field[] = {
+    COUNT("first", first, "modes of the whole spectrum below the first of this file"),
+    COUNT("n_rattler", n_rattler, "zero modes of rattlers: the first of omega, without vectors"),
+    COUNT("n_zero", n_zero, "modes with omega = 0, those of rattlers included"),
+    COUNT("zero_rattlers", zero.rattlers, "zero modes of the packing: of rattlers"),
+    COUNT("zero_spins", zero.spins, "zero modes of single grains that turn"),
+    COUNT("zero_rigid", zero.rigid, "zero modes of grains that move as a rigid body"),
+    COUNT("zero_mechanisms", zero.mechanisms, "zero modes of all other kinds"),
+    COUNT("zero_total", zero.total, "all zero modes of the packing"),
+    NUMBER("zero_below", zero.below, FREQUENCY, "modes below this frequency count as zero modes"),
+    COUNT("on_edge", on_edge, "modes within their own error of an end of the band"),
+    NUMBER("certified_from", certified_from, FREQUENCY, "no mode is missing from here ..."),
+    NUMBER("certified_to", certified_to, FREQUENCY, "... to here"),
+    NUMBER("residual", residual, "1", "largest |A e - omega^2 e|/omega_max^2, A = M^(-1/2) K M^(-1/2)"),
+    NUMBER("orthogonality", orthogonality, "1", "largest |e_m . e_n - delta_mn|"),
 };
-const int sp_modes_field_count = sizeof sp_modes_fields / sizeof *sp_modes_fields;
+enum { FIELDS = sizeof field / sizeof *field };
 
-const sp_h5_field sp_modes_network_fields[] = {
-    {{"/modes/threshold", "1", "contacts with F_n > threshold p d^2 carry force"},
-     SP_H5_F64,
-     offsetof(sp_modes_numbers, threshold)},
-    {{"/modes/prestress", "1", "1: with the rotation of the forces at rest"},
-     SP_H5_I32,
-     offsetof(sp_modes_numbers, prestress)},
-    {{"/modes/sliding_free", "1", "1: contacts at Coulomb's limit have no tangential stiffness"},
-     SP_H5_I32,
-     offsetof(sp_modes_numbers, sliding_free)},
-    {{"/modes/dimension", "1", "dimension: 1, 2 or 3; the last axis is up"},
-     SP_H5_I32,
-     offsetof(sp_modes_numbers, dim)},
-    {{"/modes/freedoms", "1", "degrees of freedom of a grain: translations, then rotations"},
-     SP_H5_I32,
-     offsetof(sp_modes_numbers, dof)},
+/* The network, and what a mode is. */
+typedef struct network_numbers {
+    double threshold;
+    int32_t prestress, sliding_free, dim, dof;
+} network_numbers;
+#define OF_NETWORK(path, type, member, meaning)                                                                        \
+    { {"/modes/" path, "1", meaning}, SP_H5_##type, offsetof(network_numbers, member) }
+static const sp_h5_field network_field[] = {
+    OF_NETWORK("threshold", F64, threshold, "contacts with F_n > threshold p d^2 carry force"),
+    OF_NETWORK("prestress", I32, prestress, "1: with the rotation of the forces at rest"),
+    OF_NETWORK("sliding_free", I32, sliding_free, "1: contacts at Coulomb's limit have no tangential stiffness"),
+    OF_NETWORK("dimension", I32, dim, "dimension: 1, 2 or 3; the last axis is up"),
+    OF_NETWORK("freedoms", I32, dof, "degrees of freedom of a grain: translations, then rotations"),
 };
-const int sp_modes_network_field_count = sizeof sp_modes_network_fields / sizeof *sp_modes_network_fields;
+enum { NETWORK_FIELDS = sizeof network_field / sizeof *network_field };
 
-const char *const sp_modes_sources[3] = {"impulse", "velocity", "displacement"};
-const char *const sp_modes_solvers[4] = {"auto", "lanczos", "arpack", "dense"};
+static const char *const sources[] = {"impulse", "velocity", "displacement", NULL};
+static const char *const solvers[] = {"auto", "lanczos", "arpack", "dense", NULL};
 
-static const sp_h5_name vector_error = {"/modes/vector_error", "1",
-                                        "upper bound of |e - exact|, one for each row of vector; 1.41: not determined, "
-                                        "for other modes nearly coincide"};
+static const sp_h5_name name_vector_error = {
+    "/modes/vector_error", "1",
+    "upper bound of |e - exact|, one for each row of vector; 1.41: not determined, "
+    "for other modes nearly coincide"};
 
-static sp_status put_vector_errors(sp_h5 *h, const sp_modes *m, const sp_network *net, sp_error *err) {
+static const sp_h5_shape single = {0};
+
+static double **array_at(int k, sp_modes *m) { return (double **)(void *)((char *)m + array[k].offset); }
+
+/* ---- writing --------------------------------------------------------------------------------------------------- */
+
+static void put_vector_errors(sp_h5 *h, const sp_modes *m, const sp_network *net) {
     const sp_h5_shape rows = {1, {m->n - m->n_rattler}};
-    double *error = sp_alloc((size_t)rows.dim[0], sizeof *error);
-    if (!error)
-        return sp_fail_memory(err, (size_t)rows.dim[0] * sizeof *error);
-    for (int64_t k = 0; k < rows.dim[0]; k++)
+    double *error = sp_h5_alloc(h, rows.dim[0], sizeof *error);
+    for (int64_t k = 0; error && k < rows.dim[0]; k++)
         error[k] = sp_modes_vector_error(m, net, m->n_rattler + k);
-    const sp_status status = sp_h5_put(h, &vector_error, SP_H5_F64, &rows, error, err);
+    sp_h5_put(h, &name_vector_error, SP_H5_F64, &rows, error);
     sp_free(error);
-    return status;
 }
 
 static sp_status check(const sp_modes *m, const sp_packing *p, const sp_network *net, sp_error *err) {
@@ -121,13 +120,11 @@ static sp_status check(const sp_modes *m, const sp_packing *p, const sp_network 
 static int32_t component_of(const sp_network *net, int a) { return a < net->dim ? a : net->dim == 2 ? 5 : a; }
 
 /* Which grain and which component each column is, and which grains are in no column. */
-static sp_status put_columns(sp_h5 *h, const sp_network *net, sp_error *err) {
+static void put_columns(sp_h5 *h, const sp_network *net) {
     const sp_h5_shape grains = {1, {net->n}}, columns = {2, {sp_network_dofs(net), 2}}, left = {1, {net->rattlers}};
-    int32_t *column = sp_alloc((size_t)sp_network_dofs(net), 2 * sizeof *column);
-    int32_t *rattler = sp_alloc((size_t)net->rattlers, sizeof *rattler);
-    sp_status status =
-        column && rattler ? SP_OK : sp_fail_memory(err, (size_t)sp_network_dofs(net) * 2 * sizeof *column);
-    for (int32_t i = 0, next = 0, at = 0; status == SP_OK && i < net->n_all; i++) {
+    int32_t *column = sp_h5_alloc(h, sp_network_dofs(net), 2 * sizeof *column);
+    int32_t *rattler = sp_h5_alloc(h, net->rattlers, sizeof *rattler);
+    for (int32_t i = 0, next = 0, at = 0; h->status == SP_OK && i < net->n_all; i++) {
         if (next == net->n || net->grain[next] != i) {
             rattler[at++] = i;
             continue;
@@ -138,80 +135,222 @@ static sp_status put_columns(sp_h5 *h, const sp_network *net, sp_error *err) {
         }
         next++;
     }
-    if (status == SP_OK)
-        status = sp_h5_put(h, &sp_modes_name_grain, SP_H5_I32, &grains, net->grain, err);
-    if (status == SP_OK)
-        status = sp_h5_put(h, &sp_modes_name_column, SP_H5_I32, &columns, column, err);
-    if (status == SP_OK)
-        status = sp_h5_put(h, &sp_modes_name_rattler, SP_H5_I32, &left, rattler, err);
+    sp_h5_put(h, &name_grain, SP_H5_I32, &grains, net->grain);
+    sp_h5_put(h, &name_column, SP_H5_I32, &columns, column);
+    sp_h5_put(h, &name_rattler, SP_H5_I32, &left, rattler);
     sp_free(rattler);
     sp_free(column);
-    return status;
 }
 
-static sp_status put_head(sp_h5 *h, const sp_modes *m, const sp_packing *p, const sp_network *net,
-                          const sp_modes_made *made, sp_error *err) {
-    const char *const version = SONOPACK_VERSION;
-    const int32_t format = SP_MODES_FORMAT;
-    const sp_h5_shape single = {0};
-    const uint64_t hash = sp_packing_hash(p);
-    const sp_modes_numbers numbers = {made->network.threshold, made->network.prestress, made->network.sliding_free,
-                                      net->dim, net->dof};
-    sp_status status = sp_h5_group(h, "/modes", err);
-    if (status == SP_OK)
-        status = sp_h5_attribute_ints(h, "/modes", "format", 0, &format, err);
-    if (status == SP_OK)
-        status = sp_h5_attribute_texts(h, "/modes", "version", 0, &version, err);
-    if (status == SP_OK)
-        status = sp_h5_put(h, &sp_modes_name_packing, SP_H5_U64, &single, &hash, err);
-    if (status == SP_OK)
-        status = sp_h5_put_fields(h, sp_modes_field_count, sp_modes_fields, m, err);
-    if (status == SP_OK)
-        status = sp_h5_put_fields(h, sp_modes_network_field_count, sp_modes_network_fields, &numbers, err);
-    if (status == SP_OK)
-        status = sp_h5_put_text(h, &sp_modes_name_source, sp_modes_sources[made->source], err);
-    if (status == SP_OK)
-        status = sp_h5_put_text(h, &sp_modes_name_solver, sp_modes_solvers[m->solver], err);
-    return status;
-}
-
-static sp_status put_all(sp_h5 *h, const sp_modes *m, const sp_packing *p, const sp_network *net,
-                         const sp_modes_made *made, sp_error *err) {
+static void put_all(sp_h5 *h, const sp_modes *m, const sp_packing *p, const sp_network *net,
+                    const sp_modes_made *made) {
     const sp_h5_shape modes = {1, {m->n}}, columns = {1, {m->dofs}}, vectors = {2, {m->n - m->n_rattler, m->dofs}};
+    const char *const version = SONOPACK_VERSION;
+    const int32_t format = MODES_FORMAT;
+    const uint64_t hash = sp_packing_hash(p);
+    const network_numbers numbers = {made->network.threshold, made->network.prestress, made->network.sliding_free,
+                                     net->dim, net->dof};
     sp_modes all = *m;
-    sp_status status = put_head(h, m, p, net, made, err);
-    for (int k = 0; k < SP_MODES_ARRAYS && status == SP_OK; k++)
-        status = sp_h5_put(h, &sp_modes_arrays[k].name, SP_H5_F64, &modes,
-                           *sp_modes_array_at(&sp_modes_arrays[k], &all), err);
-    if (status == SP_OK)
-        status = put_columns(h, net, err);
-    if (status == SP_OK)
-        status = sp_h5_put(h, &sp_modes_name_mass, SP_H5_F64, &columns, net->mass, err);
-    if (status == SP_OK)
-        status = put_vector_errors(h, m, net, err);
-    if (status == SP_OK)
-        status = sp_h5_put_rows(h, &sp_modes_name_vector, SP_H5_F64, &vectors, m->vectors, err);
-    return status == SP_OK ? sp_h5_end_draft(h, err) : status;
+    sp_h5_group(h, "/modes");
+    sp_h5_attribute_ints(h, "/modes", "format", 0, &format);
+    sp_h5_attribute_texts(h, "/modes", "version", 0, &version);
+    sp_h5_put(h, &name_packing, SP_H5_U64, &single, &hash);
+    sp_h5_put_fields(h, FIELDS, field, m);
+    sp_h5_put_fields(h, NETWORK_FIELDS, network_field, &numbers);
+    sp_h5_put_text(h, &name_source, sources[made->source]);
+    sp_h5_put_text(h, &name_solver, solvers[m->solver]);
+    for (int k = 0; k < ARRAYS; k++)
+        sp_h5_put(h, &array[k].name, SP_H5_F64, &modes, *array_at(k, &all));
+    put_columns(h, net);
+    sp_h5_put(h, &name_mass, SP_H5_F64, &columns, net->mass);
+    put_vector_errors(h, m, net);
+    sp_h5_put_rows(h, &name_vector, SP_H5_F64, &vectors, m->vectors);
 }
 
 sp_status sp_modes_save(const sp_modes *m, const sp_packing *p, const sp_network *net, const sp_modes_made *made,
                         const char *path, sp_error *err) {
-    sp_draft draft;
     sp_h5 h;
     sp_status status = check(m, p, net, err);
     if (status == SP_OK && made->network.tangential != SP_SPRINGS_CONSTANT)
         status = sp_fail_key(err, SP_EREFUSED, "network.tangential",
                              ": must be \"constant\" for a file of modes, which cannot say otherwise");
-    if (status == SP_OK)
-        status = sp_draft_begin(path, &draft, err);
     if (status != SP_OK)
         return status;
-    status = sp_h5_create_draft(&h, draft.fd, path, err);
-    if (status == SP_OK)
-        status = put_all(&h, m, p, net, made, err);
+    sp_folder_clean_beside(path); /* drafts are large, and so is what a killed process leaves */
+    if (sp_h5_create(&h, path, err) == SP_OK)
+        put_all(&h, m, p, net, made);
+    return sp_h5_close(&h);
+}
+
+/* ---- reading --------------------------------------------------------------------------------------------------- */
+
+sp_modes_file sp_modes_file_none(void) { return (sp_modes_file){.modes = sp_modes_none()}; }
+
+void sp_modes_file_free(sp_modes_file *f) {
+    sp_modes_free(&f->modes);
+    sp_free(f->grain);
+    sp_free(f->mass);
+    *f = sp_modes_file_none();
+}
+
+static void get_head(sp_h5 *h, const sp_packing *p, sp_modes_file *f) {
+    network_numbers numbers = {0};
+    int64_t format;
+    int source = 0, solver = 0;
+    if (!sp_h5_has(h, "/modes"))
+        sp_h5_fail(h, SP_EFORMAT, "no group /modes: not a file of `sonopack modes --vectors'");
+    if (sp_h5_attribute_int(h, "/modes", "format", &format) == SP_OK && format != MODES_FORMAT)
+        sp_h5_fail(h, SP_EFORMAT, "format %lld of /modes; this version reads format %d", (long long)format,
+                   MODES_FORMAT);
+    sp_h5_get(h, name_packing.path, SP_H5_U64, &single, &f->packing);
+    sp_h5_get_fields(h, FIELDS, field, &f->modes);
+    sp_h5_get_fields(h, NETWORK_FIELDS, network_field, &numbers);
+    sp_h5_get_word(h, name_source.path, sources, &source);
+    sp_h5_get_word(h, name_solver.path, solvers, &solver);
+    f->dim = numbers.dim;
+    f->dof = numbers.dof;
+    f->modes.solver = (sp_modes_solver)solver;
+    f->made.source = (sp_source)source;
+    f->made.network = (sp_network_options){
+        .threshold = numbers.threshold, .prestress = numbers.prestress != 0, .sliding_free = numbers.sliding_free != 0};
+    if (f->packing != sp_packing_hash(p))
+        sp_h5_fail(h, SP_EFORMAT, "the modes are of another packing: %s is %016llx; must be %016llx", name_packing.path,
+                   (unsigned long long)f->packing, (unsigned long long)sp_packing_hash(p));
+    if (f->dim != p->dim)
+        sp_h5_fail(h, SP_EFORMAT, "/modes/dimension is %d; must be %d", f->dim, p->dim);
+}
+
+/* The numbers of modes, grains and columns must agree before memory is taken. */
+static sp_status get_sizes(sp_h5 *h, const sp_packing *p, sp_modes_file *f) {
+    sp_modes *m = &f->modes;
+    sp_h5_shape modes, grains, vectors;
+    sp_h5_find(h, array[0].name.path, SP_H5_F64, 1, &modes);
+    sp_h5_find(h, name_grain.path, SP_H5_I32, 1, &grains);
+    if (sp_h5_find(h, name_vector.path, SP_H5_F64, 2, &vectors) != SP_OK)
+        return h->status;
+    m->n = modes.dim[0];
+    f->n = (int32_t)grains.dim[0];
+    m->dofs = vectors.dim[1];
+    const bool turns = f->dof == (f->dim == 1 ? 1 : f->dim == 2 ? 3 : 6), slides = f->dof == f->dim;
+    if ((!turns && !slides) || f->n < 1 || f->n > p->n || m->dofs != (int64_t)f->n * f->dof)
+        return sp_h5_fail(h, SP_EFORMAT, "%d grains of %d with %d degrees of freedom, and %lld columns of vector", f->n,
+                          p->n, f->dof, (long long)m->dofs);
+    const sp_zero_modes *z = &m->zero;
+    const bool counted = z->rattlers >= 0 && z->spins >= 0 && z->rigid >= 0 && z->mechanisms >= 0 && z->below >= 0 &&
+                         z->total == z->rattlers + z->spins + z->rigid + z->mechanisms;
+    if (!counted || m->n_zero > z->total || m->first > (int64_t)p->n * f->dof - m->n)
+        return sp_h5_fail(h, SP_EFORMAT,
+                          "%lld modes from number %lld on, of %d grains, and %lld zero modes: a count is wrong",
+                          (long long)m->n, (long long)m->first, p->n, (long long)z->total);
+    if (m->n_rattler < 0 || m->n_rattler > m->n_zero || m->n_zero > m->n || m->first < 0 || m->on_edge < 0 ||
+        vectors.dim[0] != m->n - m->n_rattler)
+        return sp_h5_fail(h, SP_EFORMAT,
+                          "%lld modes, %lld of them of rattlers, %lld zero modes, and %lld rows of vector",
+                          (long long)m->n, (long long)m->n_rattler, (long long)m->n_zero, (long long)vectors.dim[0]);
+    return SP_OK;
+}
+
+static void get_arrays(sp_h5 *h, sp_modes_file *f) {
+    sp_modes *m = &f->modes;
+    const sp_h5_shape modes = {1, {m->n}}, grains = {1, {f->n}}, columns = {1, {m->dofs}};
+    double *block = m->omega = sp_h5_alloc(h, ARRAYS * m->n, sizeof *block); /* sp_modes_free frees the block */
+    f->grain = sp_h5_alloc(h, f->n, sizeof *f->grain);
+    f->mass = sp_h5_alloc(h, m->dofs, sizeof *f->mass);
+    for (int k = 0; k < ARRAYS && h->status == SP_OK; k++)
+        sp_h5_get(h, array[k].name.path, SP_H5_F64, &modes, *array_at(k, m) = block + k * m->n);
+    sp_h5_get(h, name_grain.path, SP_H5_I32, &grains, f->grain);
+    sp_h5_get(h, name_mass.path, SP_H5_F64, &columns, f->mass);
+}
+
+/* Whether all numbers are finite, or (amplitudes without a wall) none is. */
+static bool all_or_none(int64_t n, const double *x) {
+    int64_t finite = 0, missing = 0;
+    for (int64_t k = 0; k < n; k++) {
+        finite += isfinite(x[k]) != 0;
+        missing += isnan(x[k]) != 0;
+    }
+    return finite == n || missing == n;
+}
+
+static sp_status check_modes(sp_h5 *h, const sp_modes *m) {
+    for (int64_t k = 0; k < m->n; k++) {
+        const double omega = m->omega[k], error = m->error[k], part = m->participation[k];
+        if (!(omega >= (k > 0 ? m->omega[k - 1] : 0) && isfinite(omega)) || (omega > 0) != (k >= m->n_zero))
+            return sp_h5_fail(h, SP_EFORMAT, "omega[%lld] is %g; must be finite, ascending, and 0 for zero modes",
+                              (long long)k, omega);
+        if (!(error >= 0 && isfinite(error)) || !(part > 0 && part <= 1 + 1e-9))
+            return sp_h5_fail(h, SP_EFORMAT, "error[%lld] is %g and participation %g", (long long)k, error, part);
+    }
+    if (!all_or_none(m->n, m->a) || !all_or_none(m->n, m->b))
+        return sp_h5_fail(h, SP_EFORMAT, "an amplitude a or b is not finite");
+    const bool measured = m->residual >= 0 && m->orthogonality >= 0;
+    if (!(m->certified_from >= 0 && m->certified_from <= m->certified_to) || (m->n > m->n_rattler && !measured))
+        return sp_h5_fail(h, SP_EFORMAT, "certified %g to %g, residual %g, orthogonality %g", m->certified_from,
+                          m->certified_to, m->residual, m->orthogonality);
+    return SP_OK;
+}
+
+static sp_status check_columns(sp_h5 *h, const sp_modes_file *f, const sp_packing *p) {
+    for (int32_t k = 0; k < f->n; k++)
+        if (f->grain[k] < (k > 0 ? f->grain[k - 1] + 1 : 0) || f->grain[k] >= p->n)
+            return sp_h5_fail(h, SP_EFORMAT, "%s[%d] is %d; must ascend within 0..%d", name_grain.path, k, f->grain[k],
+                              p->n - 1);
+    for (int64_t k = 0; k < f->modes.dofs; k++)
+        if (!(f->mass[k] > 0 && isfinite(f->mass[k])))
+            return sp_h5_fail(h, SP_EFORMAT, "%s[%lld] is %g; must be positive", name_mass.path, (long long)k,
+                              f->mass[k]);
+    return SP_OK;
+}
+
+bool sp_modes_file_looks(const char *path) {
+    sp_h5 h;
+    sp_error reason = {0};
+    const bool looks = sp_h5_open(&h, path, &reason) == SP_OK && sp_h5_has(&h, "/modes");
     sp_h5_close(&h);
+    return looks;
+}
+
+sp_status sp_modes_file_read(const char *path, const sp_packing *p, sp_modes_file *out, sp_error *err) {
+    sp_modes_file f = sp_modes_file_none();
+    sp_h5 h;
+    if (sp_h5_open(&h, path, err) == SP_OK)
+        get_head(&h, p, &f);
+    if (h.status == SP_OK && get_sizes(&h, p, &f) == SP_OK)
+        get_arrays(&h, &f);
+    if (h.status == SP_OK && check_modes(&h, &f.modes) == SP_OK)
+        check_columns(&h, &f, p);
+    const sp_status status = sp_h5_close(&h);
     if (status == SP_OK)
-        return sp_draft_commit(&draft, err);
-    sp_draft_drop(&draft);
+        *out = f;
+    else
+        sp_modes_file_free(&f);
     return status;
+}
+
+/* A damaged vector is nearly never a unit vector. */
+static sp_status check_unit(const char *path, const sp_modes_file *f, int64_t row, int64_t count, const double *e,
+                            sp_error *err) {
+    for (int64_t k = 0; k < count; k++) {
+        double sum = 0;
+        for (int64_t c = 0; c < f->modes.dofs; c++)
+            sum += e[k * f->modes.dofs + c] * e[k * f->modes.dofs + c];
+        if (!(fabs(sum - 1) <= 1e-6))
+            return sp_fail(err, SP_EFORMAT, "%s: the vector of mode %lld has the length %.6g; must be 1", path,
+                           (long long)(f->modes.first + row + k), sqrt(sum));
+    }
+    return SP_OK;
+}
+
+sp_status sp_modes_file_vectors(const char *path, const sp_modes_file *f, int64_t row, int64_t count, double *out,
+                                sp_error *err) {
+    const sp_modes *m = &f->modes;
+    const sp_h5_shape whole = {2, {m->n - m->n_rattler, m->dofs}};
+    if (row < m->n_rattler || count < 0 || row > m->n - count)
+        return sp_fail(err, SP_EINVAL, "%s: vectors of rows %lld .. %lld, must be within %lld .. %lld", path,
+                       (long long)row, (long long)(row + count - 1), (long long)m->n_rattler, (long long)m->n - 1);
+    sp_h5 h;
+    if (sp_h5_open(&h, path, err) == SP_OK)
+        sp_h5_get_rows(&h, name_vector.path, SP_H5_F64, &whole, row - m->n_rattler, count, out);
+    const sp_status status = sp_h5_close(&h);
+    return status == SP_OK ? check_unit(path, f, row, count, out, err) : status;
 }

@@ -3,7 +3,6 @@
 #include "base/file.h"
 #include "store/packing_h5.h"
 #include "store/packing_text.h"
-#include "store/stated.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -23,7 +22,7 @@ static int find_signature(int fd, int64_t size, bool *found) {
     return 0;
 }
 
-static sp_status is_hdf5(const char *path, bool *yes, sp_error *err) {
+sp_status sp_is_hdf5(const char *path, bool *yes, sp_error *err) {
     struct stat info;
     int fd = -1, code = stat(path, &info) != 0 ? errno : S_ISDIR(info.st_mode) ? EISDIR : 0;
     *yes = false;
@@ -38,11 +37,9 @@ static sp_status is_hdf5(const char *path, bool *yes, sp_error *err) {
 
 static sp_status read_hdf5(const char *path, sp_packing *out, sp_error *err) {
     sp_h5 h;
-    sp_status status = sp_h5_open(&h, path, err);
-    if (status == SP_OK)
-        status = sp_packing_get(&h, out, err);
-    sp_h5_close(&h);
-    return status;
+    if (sp_h5_open(&h, path, err) == SP_OK)
+        sp_packing_get(&h, out);
+    return sp_h5_close(&h);
 }
 
 static sp_status read_text(const char *path, sp_packing *out, sp_error *err) {
@@ -70,20 +67,8 @@ static sp_status read_text(const char *path, sp_packing *out, sp_error *err) {
 
 sp_status sp_packing_read(const char *path, sp_packing *out, sp_error *err) {
     bool hdf5;
-    sp_status status = is_hdf5(path, &hdf5, err);
+    sp_status status = sp_is_hdf5(path, &hdf5, err);
     if (status != SP_OK)
         return status;
     return hdf5 ? read_hdf5(path, out, err) : read_text(path, out, err);
-}
-
-sp_status sp_packing_check_stated(const char *path, const sp_packing *p, const sp_audit *audit, sp_error *err) {
-    bool hdf5;
-    sp_status status = is_hdf5(path, &hdf5, err);
-    if (status == SP_OK)
-        status = sp_stated_scene(p, err);
-    if (status == SP_OK)
-        status = sp_stated_residual(p, audit, err);
-    if (status == SP_OK && hdf5)
-        status = sp_stated_unread(path, p, err);
-    return status;
 }

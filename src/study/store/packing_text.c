@@ -4,39 +4,13 @@
 #include "store/packing_text.h"
 
 #include "base/base.h"
+#include "base/text.h"
 #include "packing/geometry.h"
-#include "store/exchange.h"
 
 #include <ctype.h>
 #include <math.h>
 #include <sonopack/study/store.h>
 #include <string.h>
-
-enum {
-    KEY_N,
-    KEY_LX,
-    KEY_LY,
-    KEY_LZ,
-    KEY_P,
-    KEY_MU,
-    KEY_NU,
-    KEY_CONTACTS,
-    KEY_BOTTOM,
-    KEY_TOP,
-    KEY_SEED,
-    KEY_WALL,
-    KEY_CELL,
-    KEY_XY,
-    KEY_XZ,
-    KEY_YZ,
-    KEY_GRAVITY,
-    KEY_WALLS,
-    HEADER_KEYS,
-    WORDS_MAX = 64
-};
-static const char *const header_key[HEADER_KEYS] = {"N",    "Lx",       "Ly",     "Lz",  "p",       "mu",
-                                                    "nu",   "contacts", "bottom", "top", "seed",    "wall",
-                                                    "cell", "xy",       "xz",     "yz",  "gravity", "walls"};
 
 static const char *const axis[3] = {"x", "y", "z"};
 
@@ -51,100 +25,143 @@ bool sp_packing_text_looks(const char *text) {
            isdigit((unsigned char)text[1 + strspn(text + 1, " \t")]);
 }
 
+/* ---- the tangential force in 2D -------------------------------------------------------------------------------- */
+
+/* The rounded product. + 0.0 makes a negative zero positive. */
+static void plain_product(const double n[3], double scalar, double ft[3]) {
+    ft[0] = scalar * -n[1] + 0.0;
+    ft[1] = scalar * n[0] + 0.0;
+    ft[2] = 0.0;
+}
+
+static double steps_from(double x, int steps) {
+    for (; steps > 0; steps--)
+        x = nextafter(x, INFINITY);
+    for (; steps < 0; steps++)
+        x = nextafter(x, -INFINITY);
+    return x;
+}
+
+/* The scalar of a vector ft = Ft (-ny, nx). With rounding this map is neither one to one nor onto: scalar -> vector ->
+ * scalar is exact; vector -> scalar -> vector is exact for vectors that are the rounded product. */
+static double tangent_scalar(const double n[3], const double ft[3]) {
+    long double along = (long double)ft[0] * -(long double)n[1] + (long double)ft[1] * (long double)n[0];
+    long double length2 = (long double)n[0] * (long double)n[0] + (long double)n[1] * (long double)n[1];
+    double middle = (double)(along / length2) + 0.0; /* no negative zero */
+    static const int steps[] = {0, 1, -1, 2, -2};
+    for (size_t k = 0; k < sizeof steps / sizeof *steps; k++) {
+        double scalar = steps_from(middle, steps[k]), product[3];
+        plain_product(n, scalar, product);
+        if (product[0] == ft[0] && product[1] == ft[1])
+            return scalar;
+    }
+    return middle;
+}
+
+static void tangent_vector(const double n[3], double scalar, double ft[3]) {
+    plain_product(n, scalar, ft);
+    if (tangent_scalar(n, ft) == scalar)
+        return;
+    /* Two neighbouring scalars have the same product. Move the vector by an ulp, to one that is no product and is
+     * converted to this scalar. */
+    double product[3] = {ft[0], ft[1], 0};
+    for (int a = -1; a <= 1; a++)
+        for (int b = -1; b <= 1; b++) {
+            double moved[3] = {steps_from(product[0], a), steps_from(product[1], b), 0};
+            if (tangent_scalar(n, moved) == scalar) {
+                ft[0] = moved[0];
+                ft[1] = moved[1];
+                return;
+            }
+        }
+}
+
 /* ---- header ---------------------------------------------------------------------------------------------------- */
 
 typedef struct header {
-    int dim;
     int64_t grains, pairs, bottom, top, walls; /* walls: of all of them, where the header has a cell */
     double edge[3], tilt[3], pressure, friction, poisson, gravity;
     uint64_t seed;
     sp_wall wall;
     sp_cell cell;
+    int dim;
 } header;
 
-static sp_status fail_key(const sp_lines *at, int key, const char *value, const char *rule, sp_error *err) {
-    if (!value)
-        return sp_fail(err, SP_EFORMAT, "%s:%lld: the header has no %s; must be %s", at->file, (long long)at->number,
-                       header_key[key], rule);
-    return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be %s", at->file, (long long)at->number,
-                   header_key[key], value, rule);
-}
+typedef enum header_kind { COUNT, NUMBER, LENGTH, SEED, WALL, CELL } header_kind;
 
-static sp_status header_number(const sp_lines *at, char *const *value, int key, double *out, sp_error *err) {
-    if (!value[key] || !sp_word_number(value[key], out) || !isfinite(*out))
-        return fail_key(at, key, value[key], "a finite number", err);
-    return SP_OK;
-}
+/* The keys, those that every header has first. */
+static const struct header_key {
+    const char *name;
+    header_kind kind;
+    size_t offset;
+} header_key[] = {{"N", COUNT, offsetof(header, grains)},      {"contacts", COUNT, offsetof(header, pairs)},
+                  {"Lx", LENGTH, offsetof(header, edge[0])},   {"p", NUMBER, offsetof(header, pressure)},
+                  {"mu", NUMBER, offsetof(header, friction)},  {"nu", NUMBER, offsetof(header, poisson)},
+                  {"Ly", LENGTH, offsetof(header, edge[1])},   {"Lz", LENGTH, offsetof(header, edge[2])},
+                  {"bottom", COUNT, offsetof(header, bottom)}, {"top", COUNT, offsetof(header, top)},
+                  {"walls", COUNT, offsetof(header, walls)},   {"cell", CELL, offsetof(header, cell)},
+                  {"xy", NUMBER, offsetof(header, tilt[0])},   {"xz", NUMBER, offsetof(header, tilt[1])},
+                  {"yz", NUMBER, offsetof(header, tilt[2])},   {"gravity", NUMBER, offsetof(header, gravity)},
+                  {"seed", SEED, offsetof(header, seed)},      {"wall", WALL, offsetof(header, wall)}};
+enum { HEADER_KEYS = sizeof header_key / sizeof *header_key, WORDS_MAX = 64 };
+enum { ALWAYS = 6, KEY_LY = ALWAYS, KEY_LZ, KEY_BOTTOM, KEY_TOP, KEY_WALLS, KEY_CELL }; /* places in these rows */
 
-/* Reads a count, which must not exceed what the file can contain. */
-static sp_status header_count(const sp_lines *at, char *const *value, int key, int64_t most, int64_t *out,
-                              sp_error *err) {
-    if (!value[key] || !sp_word_integer(value[key], out) || *out < 0)
-        return fail_key(at, key, value[key], "a whole number >= 0", err);
-    if (*out > most)
+/* Reads the value of a key. Counts must not exceed what the file can contain. */
+static sp_status read_value(const sp_lines *at, const struct header_key *key, const char *word, header *h,
+                            sp_error *err) {
+    static const char *const right[] = {"a whole number >= 0",     "a finite number",
+                                        "a finite number above 0", "a whole number of 64 bits",
+                                        "rigid, grain or elastic", "piston, periodic or box"};
+    const int64_t bytes = at->end - at->next, most = bytes / 4 < INT32_MAX / 4 ? bytes / 4 : INT32_MAX / 4;
+    void *to = (char *)h + key->offset;
+    int64_t count = 0;
+    int cell = 0;
+    bool good = true;
+    switch (key->kind) {
+    case COUNT:
+        good = sp_word_integer(word, &count) && count >= 0;
+        memcpy(to, &count, sizeof count);
+        break;
+    case NUMBER: good = sp_word_number(word, to) && isfinite(*(double *)to); break;
+    case LENGTH: good = sp_word_number(word, to) && isfinite(*(double *)to) && *(double *)to > 0; break;
+    case SEED: good = sp_word_unsigned(word, to); break;
+    case WALL: good = sp_wall_read(word, to); break;
+    case CELL:
+        while (sp_cell_names[cell] && strcmp(sp_cell_names[cell], word) != 0)
+            cell++;
+        good = sp_cell_names[cell] != NULL;
+        h->cell = good ? (sp_cell)cell : SP_CELL_PISTON;
+        break;
+    }
+    if (!good)
+        return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be %s", at->file, (long long)at->number,
+                       key->name, word, right[key->kind]);
+    if (count > most)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is %lld, and the file has room for %lld at the most: truncated",
-                       at->file, (long long)at->number, header_key[key], (long long)*out, (long long)most);
+                       at->file, (long long)at->number, key->name, (long long)count, (long long)most);
     return SP_OK;
 }
 
 /* A header with a cell has the number of all contacts with walls; versions that do not know cells miss the other two.
  */
-static sp_status header_counts(const sp_lines *at, char *const *value, header *h, sp_error *err) {
-    const int64_t bytes = at->end - at->next, most = bytes / 4 < INT32_MAX / 4 ? bytes / 4 : INT32_MAX / 4;
-    sp_status status = header_count(at, value, KEY_N, most, &h->grains, err);
-    if (status == SP_OK)
-        status = header_count(at, value, KEY_CONTACTS, most, &h->pairs, err);
-    if (status == SP_OK && value[KEY_CELL])
-        return header_count(at, value, KEY_WALLS, most, &h->walls, err);
-    if (status == SP_OK)
-        status = header_count(at, value, KEY_BOTTOM, most, &h->bottom, err);
-    if (status == SP_OK)
-        status = header_count(at, value, KEY_TOP, most, &h->top, err);
-    h->walls = h->bottom + h->top;
-    return status;
-}
-
-/* The kind of the cell, its tilt and gravity: where the header has a cell, else those of a piston. */
-static sp_status header_cell(const sp_lines *at, char *const *value, header *h, sp_error *err) {
-    double *const number[] = {&h->tilt[0], &h->tilt[1], &h->tilt[2], &h->gravity};
-    sp_status status = SP_OK;
-    if (!value[KEY_CELL])
-        return SP_OK;
-    if (!sp_cell_read(value[KEY_CELL], &h->cell))
-        return fail_key(at, KEY_CELL, value[KEY_CELL], "piston, periodic or box", err);
-    for (int k = 0; status == SP_OK && k < 4; k++)
-        if (value[KEY_XY + k])
-            status = header_number(at, value, KEY_XY + k, number[k], err);
-    return status;
-}
-
-static sp_status header_numbers(const sp_lines *at, char *const *value, header *h, sp_error *err) {
-    sp_status counts = header_counts(at, value, h, err);
-    if (counts == SP_OK)
-        counts = header_cell(at, value, h, err);
-    if (counts != SP_OK)
-        return counts;
-    h->dim = value[KEY_LZ] ? 3 : value[KEY_LY] ? 2 : 1;
-    for (int k = 0; k < 3; k++)
-        h->edge[k] = 1.0;
-    for (int k = 0; k < h->dim; k++) {
-        sp_status status = header_number(at, value, KEY_LX + k, &h->edge[k], err);
-        if (status == SP_OK && !(h->edge[k] > 0))
-            status = fail_key(at, KEY_LX + k, value[KEY_LX + k], "positive", err);
-        if (status != SP_OK)
-            return status;
-    }
-    double *const number[] = {&h->pressure, &h->friction, &h->poisson};
-    for (int k = 0; k < 3; k++) {
-        sp_status status = header_number(at, value, KEY_P + k, number[k], err);
-        if (status != SP_OK)
-            return status;
+static sp_status check_given(const sp_lines *at, const bool given[HEADER_KEYS], header *h, sp_error *err) {
+    const bool cell = given[KEY_CELL];
+    for (int k = 0; k < HEADER_KEYS; k++)
+        if (!given[k] &&
+            (k < ALWAYS || (k == KEY_LY && given[KEY_LZ]) || (cell ? k == KEY_WALLS : k == KEY_BOTTOM || k == KEY_TOP)))
+            return sp_fail(err, SP_EFORMAT, "%s:%lld: the header has no %s; must be 'N 600 Lx 24 ...'", at->file,
+                           (long long)at->number, header_key[k].name);
+    h->dim = given[KEY_LZ] ? 3 : given[KEY_LY] ? 2 : 1;
+    if (!cell) {
+        h->walls = h->bottom + h->top;
+        h->gravity = h->tilt[0] = h->tilt[1] = h->tilt[2] = 0;
     }
     return SP_OK;
 }
 
 static sp_status read_header(sp_lines *lines, header *h, sp_error *err) {
-    char *line, *word[WORDS_MAX], *value[HEADER_KEYS] = {0};
+    char *line, *word[WORDS_MAX];
+    bool given[HEADER_KEYS] = {false};
     sp_status status = sp_lines_next_data(lines, &line, err);
     if (status != SP_OK)
         return status;
@@ -152,23 +169,92 @@ static sp_status read_header(sp_lines *lines, header *h, sp_error *err) {
     if (words < 2 || words > WORDS_MAX || words % 2 != 0)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: no header of keys and values, 'N 600 Lx 24 ...'", lines->file,
                        (long long)lines->number);
-    for (int w = 0; w < words; w += 2)
-        for (int k = 0; k < HEADER_KEYS; k++)
-            if (strcmp(word[w], header_key[k]) == 0) {
-                if (value[k])
-                    return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is given twice", lines->file, (long long)lines->number,
-                                   header_key[k]);
-                value[k] = word[w + 1];
-            }
-    *h = (header){.wall = SP_WALL_RIGID};
-    if (value[KEY_SEED] && !sp_word_unsigned(value[KEY_SEED], &h->seed))
-        return fail_key(lines, KEY_SEED, value[KEY_SEED], "a whole number of 64 bits", err);
-    if (value[KEY_WALL] && !sp_wall_read(value[KEY_WALL], &h->wall))
-        return fail_key(lines, KEY_WALL, value[KEY_WALL], "rigid, grain or elastic", err);
-    return header_numbers(lines, value, h, err);
+    *h = (header){.wall = SP_WALL_RIGID, .edge = {1, 1, 1}};
+    for (int w = 0; w < words && status == SP_OK; w += 2)
+        for (int k = 0; k < HEADER_KEYS && status == SP_OK; k++) {
+            if (strcmp(word[w], header_key[k].name) != 0)
+                continue;
+            status = given[k] ? sp_fail(err, SP_EFORMAT, "%s:%lld: %s is given twice", lines->file,
+                                        (long long)lines->number, header_key[k].name)
+                              : read_value(lines, &header_key[k], word[w + 1], h, err);
+            given[k] = true;
+        }
+    return status == SP_OK ? check_given(lines, given, h, err) : status;
 }
 
 /* ---- rows ------------------------------------------------------------------------------------------------------ */
+
+/* Moves a coordinate along a periodic axis into [0, period). A coordinate inside remains the same, bit for bit. */
+static double wrap(double x, double period) {
+    if (x >= 0 && x < period)
+        return x + 0.0; /* no negative zero */
+    double inside = fmod(x, period);
+    if (inside < 0)
+        inside += period;
+    return inside < period ? inside + 0.0 : 0.0;
+}
+
+/* Moves a grain that lies outside into the cell along the periodic axes. */
+static void wrap_grain(const sp_packing *p, double x[3]) {
+    double s[3] = {0, 0, 0};
+    bool outside = false;
+    for (int k = 0; k < p->dim; k++)
+        x[k] = p->cell == SP_CELL_PISTON && k < p->dim - 1 ? wrap(x[k], p->box[k]) : x[k] + 0.0;
+    if (p->cell != SP_CELL_PERIODIC)
+        return;
+    sp_packing_fractions(p, x, s);
+    for (int k = 0; k < p->dim; k++)
+        outside = outside || !(s[k] >= -1e-12 && s[k] <= 1 + 1e-12); /* what sp_packing_check allows */
+    if (outside)
+        sp_packing_wrap(p, x);
+}
+
+static bool is_wall(const sp_packing *p, int32_t j) { return j < 0 && j >= SP_BACK && sp_packing_has_wall(p, j); }
+
+static sp_status check_contact(const sp_packing *p, const sp_contact *c, sp_error *err) {
+    const bool walls[2] = {is_wall(p, c->i), is_wall(p, c->j)};
+    const bool grains[2] = {c->i >= 0 && c->i < p->n, c->j >= 0 && c->j < p->n};
+    if (!(grains[0] && grains[1] && c->i != c->j) && !(grains[0] && walls[1]) && !(walls[0] && grains[1]))
+        return sp_fail(
+            err, SP_EFORMAT,
+            "a contact of %d and %d; must be two grains of 0..%d, or a grain and a wall of the cell, which is a %s",
+            c->i, c->j, p->n - 1,
+            p->cell == SP_CELL_PERIODIC ? "periodic one and has none"
+            : p->cell == SP_CELL_BOX    ? "box: -1 bottom, -2 top, -3 left, -4 right, -5 front, -6 back (3D)"
+                                        : "piston's: -1 bottom, -2 top");
+    double length2 = 0;
+    for (int k = 0; k < p->dim; k++)
+        length2 += c->n[k] * c->n[k];
+    if (!(fabs(sqrt(length2) - 1) <= 1e-9))
+        return sp_fail(err, SP_EFORMAT, "the normal's length is %.12g; must be 1 within 1e-9", sqrt(length2));
+    if (c->overlap < 0 || c->fn < 0)
+        return sp_fail(err, SP_EFORMAT, "overlap %g and Fn %g; must be finite and >= 0", c->overlap, c->fn);
+    return SP_OK;
+}
+
+/* Turns a contact round if j comes before i, or i is a wall. The force on i changes its sign; the scalar in 2D does
+ * not, because t turns with n. */
+static void put_in_order(sp_contact *c) {
+    const int32_t i = c->i;
+    if (!(c->i < 0 || (c->j >= 0 && c->i > c->j)))
+        return;
+    c->i = c->j;
+    c->j = i;
+    for (int k = 0; k < 3; k++) {
+        c->n[k] = 0.0 - c->n[k];
+        c->ft[k] = 0.0 - c->ft[k];
+    }
+}
+
+/* Converts words to finite numbers. name[k] is what word k means. */
+static sp_status finite_numbers(const sp_lines *at, int count, char *const *word, const char *const *name, double *out,
+                                sp_error *err) {
+    for (int k = 0; k < count; k++)
+        if (!sp_word_number(word[k], &out[k]) || !isfinite(out[k]))
+            return sp_fail(err, SP_EFORMAT, "%s:%lld: %s is '%.60s'; must be a finite number", at->file,
+                           (long long)at->number, name[k], word[k]);
+    return SP_OK;
+}
 
 /* Reads the words of the next line, which must be low .. high in number. */
 static sp_status next_words(sp_lines *lines, const char *what, int low, int high, char **word, sp_error *err) {
@@ -195,12 +281,12 @@ static sp_status read_grain(sp_lines *lines, sp_packing *p, int32_t i, sp_error 
     name[p->dim] = "R";
     sp_status status = next_words(lines, "grain", p->dim + 1, p->dim + 2, word, err);
     if (status == SP_OK)
-        status = sp_finite_numbers(lines, p->dim + 1, word, name, number, err);
+        status = finite_numbers(lines, p->dim + 1, word, name, number, err);
     if (status != SP_OK)
         return status;
     for (int k = 0; k < p->dim; k++)
         p->x[3 * i + k] = number[k];
-    sp_wrap_grain(p, p->x + 3 * i);
+    wrap_grain(p, p->x + 3 * i);
     p->r[i] = number[p->dim];
     if (!(p->r[i] > 0))
         return sp_fail(err, SP_EFORMAT, "%s:%lld: R is %g; must be positive", lines->file, (long long)lines->number,
@@ -225,21 +311,22 @@ static sp_status read_contact(sp_lines *lines, sp_packing *p, int32_t c, sp_erro
         return sp_fail(err, SP_EFORMAT,
                        "%s:%lld: contact of '%.30s' and '%.30s'; must be grains 0..%d, or walls, -1..-6", lines->file,
                        (long long)lines->number, word[0], word[1], p->n - 1);
-    status = sp_finite_numbers(lines, numbers, word + 2, names[dim], number, err);
+    status = finite_numbers(lines, numbers, word + 2, names[dim], number, err);
     if (status != SP_OK)
         return status;
-    sp_contact_row row = {.i = (int32_t)i, .j = (int32_t)j, .vector = dim == 3, .unit_within = 1e-9};
-    memcpy(row.n, number, (size_t)dim * sizeof *number);
-    row.overlap = number[dim];
-    row.fn = number[dim + 1];
+    sp_contact *to = &p->contacts[c];
+    *to = (sp_contact){.i = (int32_t)i, .j = (int32_t)j, .overlap = number[dim], .fn = number[dim + 1]};
+    for (int k = 0; k < dim; k++) /* no negative zeros */
+        to->n[k] = number[k] + 0.0;
     if (dim == 2)
-        row.ft = number[4];
-    else if (dim == 3)
-        memcpy(row.ft3, number + 5, sizeof row.ft3);
-    status = sp_contact_from_row(p, &row, &p->contacts[c], err);
+        tangent_vector(to->n, number[4], to->ft);
+    for (int k = 0; dim == 3 && k < 3; k++)
+        to->ft[k] = number[5 + k] + 0.0;
+    status = check_contact(p, to, err);
     if (status != SP_OK)
-        sp_fail_prefix(err, "%s:%lld", lines->file, (long long)lines->number);
-    return status;
+        return sp_fail_prefix(err, "%s:%lld", lines->file, (long long)lines->number);
+    put_in_order(to);
+    return SP_OK;
 }
 
 /* Compares the numbers of contacts at the walls with the header. */
@@ -371,7 +458,7 @@ static void add_rows(sp_text *t, const sp_packing *p, const uint8_t *rattler) {
         const sp_contact *k = &p->contacts[c];
         sp_text_add(t, "%d %d ", k->i, k->j);
         add_numbers(t, k->n, p->dim);
-        double scalar = p->dim == 2 ? sp_tangent_scalar(k->n, k->ft) : 0;
+        double scalar = p->dim == 2 ? tangent_scalar(k->n, k->ft) : 0;
         sp_text_add(t, "%.17g %.17g", k->overlap, k->fn);
         if (p->dim == 2)
             sp_text_add(t, " %.17g", scalar);

@@ -1,9 +1,7 @@
 /* Computes what a file says of a sample again, from its packing and its scene, and compares. */
 #include "base/base.h"
-#include "ensemble/parts.h"
 #include "ensemble/sample.h"
 #include "store/folder.h"
-#include "store/stated.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -106,20 +104,12 @@ static sp_status compare_numbers(const sp_sample *s, const sp_sample *again, dou
 static sp_status compare_planes(const sp_sample *s, const sp_sample *again, sp_error *err) {
     if (again->planes != s->planes)
         return sp_at_odds(err, "/results/planes", s->planes, again->planes);
-    for (int32_t k = 0; k < s->planes; k++) {
-        const sp_front *a = &s->plane_front[k], *b = &again->plane_front[k];
-        const struct {
-            const char *field;
-            double stored, expected;
-        } mark[] = {{"/results/planes/t10", a->t10, b->t10},
-                    {"/results/planes/t_peak", a->t_peak, b->t_peak},
-                    {"/results/planes/t_zero", a->t_zero, b->t_zero},
-                    {"/results/planes/amplitude", a->amplitude, b->amplitude},
-                    {"/results/planes/width", a->width, b->width}};
-        for (size_t m = 0; m < sizeof mark / sizeof *mark; m++)
-            if (!agrees(mark[m].stored, mark[m].expected, 0))
-                return sp_at_odds(err, mark[m].field, mark[m].stored, mark[m].expected);
-    }
+    for (int32_t k = 0; k < s->planes; k++)
+        for (const sp_plane_field *f = sp_plane_fields; f < sp_plane_fields + SP_PLANE_FIELDS; f++) {
+            const double stored = sp_plane_number(f, s, k), expected = sp_plane_number(f, again, k);
+            if (!agrees(stored, expected, 0))
+                return sp_at_odds(err, f->name.path, stored, expected);
+        }
     return SP_OK;
 }
 

@@ -110,12 +110,7 @@ static const struct part {
 };
 enum { PARTS = sizeof part / sizeof *part, SAMPLE_FIELDS = sizeof sample_field / sizeof *sample_field };
 
-/* Fronts at planes: one array for each member. */
-static const struct {
-    sp_h5_name name;
-    size_t offset; /* of the first plane's in sp_sample */
-    size_t stride;
-} plane_field[] = {
+const sp_plane_field sp_plane_fields[SP_PLANE_FIELDS] = {
     {{"/results/planes/height", "d", "heights of the planes above the bottom wall"},
      offsetof(sp_sample, plane),
      sizeof(double)},
@@ -127,7 +122,16 @@ static const struct {
     PLANE(amplitude, "E* d^2", "height of the first peak, for the source of the scene at unit strength"),
     PLANE(width, TIME, "t_zero - t10"),
 };
-enum { PLANE_FIELDS = sizeof plane_field / sizeof *plane_field };
+
+double sp_plane_number(const sp_plane_field *f, const sp_sample *s, int32_t plane) {
+    double number;
+    memcpy(&number, (const char *)s + f->offset + (size_t)plane * f->stride, sizeof number);
+    return number;
+}
+
+void sp_plane_set(const sp_plane_field *f, sp_sample *s, int32_t plane, double number) {
+    memcpy((char *)s + f->offset + (size_t)plane * f->stride, &number, sizeof number);
+}
 
 static const sp_h5_field signal_field[] = {
     {{"/signal/error", "E* d^2", "bound of the error of F"}, SP_H5_F64, offsetof(sp_signal, error)},
@@ -148,6 +152,7 @@ static const sp_h5_field lacks_field[] = {
            "128 spectrum"),
     SAMPLE(lacks_signal, SP_H5_U64, "1", "hash of the signal's keys with which signal and planes were tried"),
 };
+enum { LACKS_FIELDS = sizeof lacks_field / sizeof *lacks_field };
 static const sp_h5_name name_reason = {"/results/sample/reason", "1", "why the first of these could not be made"};
 static const sp_h5_name name_omega = {"/results/spectrum/omega", FREQUENCY,
                                       "frequencies of all vibrations of the network, ascending; zero modes are 0"};
@@ -170,220 +175,163 @@ void sp_record_free(sp_record *r) {
 
 /* ---- writing --------------------------------------------------------------------------------------------------- */
 
-static sp_status put_planes(sp_h5 *h, const sp_sample *s, sp_error *err) {
+static void put_planes(sp_h5 *h, const sp_sample *s) {
     const sp_h5_shape shape = {1, {s->planes}};
-    sp_status status = sp_h5_group(h, "/results/planes", err);
-    for (int k = 0; status == SP_OK && k < PLANE_FIELDS; k++) {
+    sp_h5_group(h, "/results/planes");
+    for (int k = 0; k < SP_PLANE_FIELDS; k++) {
         double x[SP_PLANES_MAX];
         for (int32_t i = 0; i < s->planes; i++)
-            memcpy(&x[i], (const char *)s + plane_field[k].offset + (size_t)i * plane_field[k].stride, sizeof *x);
-        status = sp_h5_put(h, &plane_field[k].name, SP_H5_F64, &shape, x, err);
+            x[i] = sp_plane_number(&sp_plane_fields[k], s, i);
+        sp_h5_put(h, &sp_plane_fields[k].name, SP_H5_F64, &shape, x);
     }
-    return status;
 }
 
-static sp_status put_part(sp_h5 *h, const struct part *of, const sp_sample *s, sp_error *err) {
+static void put_part(sp_h5 *h, const struct part *of, const sp_sample *s) {
     const char *from = (const char *)s + of->offset;
     if (of->group) {
-        sp_status status = sp_h5_group(h, of->group, err);
-        return status == SP_OK ? sp_h5_put_fields(h, of->count, of->field, from, err) : status;
+        sp_h5_group(h, of->group);
+        sp_h5_put_fields(h, of->count, of->field, from);
+        return;
     }
-    sp_status status = SP_OK;
-    for (int k = 0; status == SP_OK && k < of->count; k++) {
+    for (int k = 0; k < of->count; k++) {
         double x;
         memcpy(&x, from + of->field[k].offset, sizeof x);
         if (!isnan(x))
-            status = sp_h5_put_fields(h, 1, &of->field[k], from, err);
+            sp_h5_put_fields(h, 1, &of->field[k], from);
     }
-    return status;
 }
 
-static sp_status put_lacks(sp_h5 *h, const sp_sample *s, sp_error *err) {
-    sp_status status = sp_h5_put_fields(h, sizeof lacks_field / sizeof *lacks_field, lacks_field, s, err);
-    return status == SP_OK ? sp_h5_put_text(h, &name_reason, s->reason, err) : status;
-}
-
-static sp_status put_signal(sp_h5 *h, const sp_signal *s, const sp_signal_made *made, sp_error *err) {
+static void put_signal(sp_h5 *h, const sp_signal *s, const sp_signal_made *made) {
     const sp_h5_shape shape = {1, {s->n}};
-    sp_status status = sp_h5_group(h, "/signal", err);
-    if (status == SP_OK)
-        status = sp_h5_put(h, &name_t, SP_H5_F64, &shape, s->t, err);
-    if (status == SP_OK)
-        status = sp_h5_put(h, &name_f, SP_H5_F64, &shape, s->f, err);
-    if (status == SP_OK)
-        status = sp_h5_put_fields(h, SIGNAL_FIELDS, signal_field, s, err);
-    if (status == SP_OK && made->tolerance > 0)
-        status = sp_h5_put_fields(h, 1, &tolerance_field, made, err);
-    if (status == SP_OK)
-        status = sp_h5_put_text(h, &name_method, sp_signal_method_name(s->method), err);
-    return status;
+    sp_h5_group(h, "/signal");
+    sp_h5_put(h, &name_t, SP_H5_F64, &shape, s->t);
+    sp_h5_put(h, &name_f, SP_H5_F64, &shape, s->f);
+    sp_h5_put_fields(h, SIGNAL_FIELDS, signal_field, s);
+    if (made->tolerance > 0)
+        sp_h5_put_fields(h, 1, &tolerance_field, made);
+    sp_h5_put_text(h, &name_method, sp_signal_method_name(s->method));
 }
 
-sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err) {
-    sp_status status = sp_h5_group(h, "/results", err);
-    if (status == SP_OK)
-        status = sp_h5_group(h, "/results/sample", err);
-    if (status == SP_OK)
-        status = sp_h5_put_text(h, &name_name, r->sample.name, err);
-    if (status == SP_OK)
-        status = sp_h5_put_fields(h, SAMPLE_FIELDS, sample_field, &r->sample, err);
-    if (status == SP_OK && r->sample.kind != SP_PACK_PISTON)
-        status = sp_h5_put_fields(h, 1, &kind_field, &r->sample, err);
-    if (status == SP_OK && r->sample.material)
-        status = sp_h5_put_fields(h, 1, &material_field, &r->sample, err);
-    if (status == SP_OK && r->sample.lacks)
-        status = put_lacks(h, &r->sample, err);
-    if (status == SP_OK && r->scene)
-        status = sp_h5_put_text(h, &name_scene, r->scene, err);
-    for (int k = 0; status == SP_OK && k < PARTS; k++)
-        if (r->sample.have & part[k].want)
-            status = put_part(h, &part[k], &r->sample, err);
-    if (status == SP_OK && r->sample.have & SP_WANT_PLANES)
-        status = put_planes(h, &r->sample, err);
-    if (status == SP_OK && r->sample.have & SP_WANT_SPECTRUM)
-        status = sp_h5_put(h, &name_omega, SP_H5_F64, &(sp_h5_shape){1, {r->arrays.modes}}, r->arrays.omega, err);
-    if (status == SP_OK && r->arrays.signal.n > 0)
-        status = put_signal(h, &r->arrays.signal, &r->sample.signal, err);
-    return status;
+static void put_keys(sp_h5 *h, const sp_sample *s) {
+    sp_h5_group(h, "/results");
+    sp_h5_group(h, "/results/sample");
+    sp_h5_put_text(h, &name_name, s->name);
+    sp_h5_put_fields(h, SAMPLE_FIELDS, sample_field, s);
+    if (s->kind != SP_PACK_PISTON)
+        sp_h5_put_fields(h, 1, &kind_field, s);
+    if (s->material)
+        sp_h5_put_fields(h, 1, &material_field, s);
+    if (s->lacks) {
+        sp_h5_put_fields(h, LACKS_FIELDS, lacks_field, s);
+        sp_h5_put_text(h, &name_reason, s->reason);
+    }
+}
+
+void sp_record_put(sp_h5 *h, const sp_record *r) {
+    const sp_sample *s = &r->sample;
+    put_keys(h, s);
+    if (r->scene)
+        sp_h5_put_text(h, &name_scene, r->scene);
+    for (int k = 0; k < PARTS; k++)
+        if (s->have & part[k].want)
+            put_part(h, &part[k], s);
+    if (s->have & SP_WANT_PLANES)
+        put_planes(h, s);
+    if (s->have & SP_WANT_SPECTRUM)
+        sp_h5_put(h, &name_omega, SP_H5_F64, &(sp_h5_shape){1, {r->arrays.modes}}, r->arrays.omega);
+    if (r->arrays.signal.n > 0)
+        put_signal(h, &r->arrays.signal, &s->signal);
 }
 
 /* ---- reading --------------------------------------------------------------------------------------------------- */
 
-static sp_status get_planes(sp_h5 *h, sp_sample *s, sp_error *err) {
+static void get_planes(sp_h5 *h, sp_sample *s) {
     sp_h5_shape shape;
-    sp_status status = sp_h5_find(h, plane_field[0].name.path, SP_H5_F64, 1, &shape, err);
-    if (status == SP_OK && shape.dim[0] > SP_PLANES_MAX)
-        status = sp_h5_fail(h, err, SP_EFORMAT, "%s has %lld planes; at most %d", plane_field[0].name.path,
-                            (long long)shape.dim[0], SP_PLANES_MAX);
-    for (int k = 0; status == SP_OK && k < PLANE_FIELDS; k++) {
+    if (sp_h5_find(h, sp_plane_fields[0].name.path, SP_H5_F64, 1, &shape) == SP_OK && shape.dim[0] > SP_PLANES_MAX)
+        sp_h5_fail(h, SP_EFORMAT, "%s has %lld planes; at most %d", sp_plane_fields[0].name.path,
+                   (long long)shape.dim[0], SP_PLANES_MAX);
+    for (int k = 0; h->status == SP_OK && k < SP_PLANE_FIELDS; k++) {
         double x[SP_PLANES_MAX] = {0};
-        status = sp_h5_get(h, plane_field[k].name.path, SP_H5_F64, &shape, x, err);
-        for (int64_t i = 0; status == SP_OK && i < shape.dim[0]; i++)
-            memcpy((char *)s + plane_field[k].offset + (size_t)i * plane_field[k].stride, &x[i], sizeof *x);
+        sp_h5_get(h, sp_plane_fields[k].name.path, SP_H5_F64, &shape, x);
+        for (int64_t i = 0; i < shape.dim[0]; i++)
+            sp_plane_set(&sp_plane_fields[k], s, (int32_t)i, x[i]);
     }
-    if (status == SP_OK)
+    if (h->status == SP_OK)
         s->planes = (int32_t)shape.dim[0];
-    return status;
+    s->have |= SP_WANT_PLANES;
 }
 
 /* Reads a part if the file has it. */
-static sp_status get_part(sp_h5 *h, const struct part *of, sp_sample *s, sp_error *err) {
+static void get_part(sp_h5 *h, const struct part *of, sp_sample *s) {
     const double none = NAN;
     char *to = (char *)s + of->offset;
-    if (of->group) {
-        if (!sp_h5_has(h, of->group))
-            return SP_OK;
+    if (of->group && sp_h5_has(h, of->group)) {
         s->have |= of->want;
-        return sp_h5_get_fields(h, of->count, of->field, to, err);
+        sp_h5_get_fields(h, of->count, of->field, to);
     }
-    sp_status status = SP_OK;
-    for (int k = 0; status == SP_OK && s->have & of->want && k < of->count; k++) {
+    for (int k = 0; !of->group && s->have & of->want && k < of->count; k++) {
         memcpy(to + of->field[k].offset, &none, sizeof none);
         if (sp_h5_has(h, of->field[k].name.path))
-            status = sp_h5_get_fields(h, 1, &of->field[k], to, err);
+            sp_h5_get_fields(h, 1, &of->field[k], to);
     }
-    return status;
 }
 
-static sp_status get_method(sp_h5 *h, sp_signal_method *method, sp_error *err) {
+static sp_signal_method get_method(sp_h5 *h) {
     char *text = NULL;
-    sp_status status = sp_h5_get_text(h, name_method.path, &text, err);
     int k = 0;
-    while (status == SP_OK && sp_signal_method_name((sp_signal_method)k) &&
-           strcmp(text, sp_signal_method_name((sp_signal_method)k)) != 0)
+    if (sp_h5_get_text(h, name_method.path, &text) != SP_OK)
+        return SP_SIGNAL_AUTO;
+    while (sp_signal_method_name((sp_signal_method)k) && strcmp(text, sp_signal_method_name((sp_signal_method)k)) != 0)
         k++;
-    if (status == SP_OK && !sp_signal_method_name((sp_signal_method)k))
-        status = sp_h5_fail(h, err, SP_EFORMAT, "%s is '%.60s'", name_method.path, text);
-    *method = (sp_signal_method)k;
+    if (!sp_signal_method_name((sp_signal_method)k))
+        sp_h5_fail(h, SP_EFORMAT, "%s is '%.60s'", name_method.path, text);
     sp_free(text);
-    return status;
+    return (sp_signal_method)k;
 }
 
-/* Reads how the signal was computed, but not the signal itself. */
-static sp_status get_made(sp_h5 *h, sp_signal_made *made, sp_error *err) {
-    sp_h5_shape shape;
-    sp_signal_made m = {.tolerance = NAN, .until = NAN};
-    sp_status status = sp_h5_find(h, name_t.path, SP_H5_F64, 1, &shape, err);
-    if (status != SP_OK)
-        return status;
-    double *t = sp_alloc((size_t)shape.dim[0], sizeof *t);
-    if (!t)
-        return sp_fail_memory(err, (size_t)shape.dim[0] * sizeof *t);
-    status = sp_h5_get(h, name_t.path, SP_H5_F64, &shape, t, err);
-    m.points = (int32_t)shape.dim[0];
-    if (status == SP_OK && m.points > 0)
-        m.until = t[m.points - 1];
-    sp_free(t);
-    if (status == SP_OK && sp_h5_has(h, tolerance_field.name.path))
-        status = sp_h5_get_fields(h, 1, &tolerance_field, &m, err);
-    if (status == SP_OK)
-        status = get_method(h, &m.method, err);
-    if (status == SP_OK)
-        *made = m;
-    return status;
+/* Reads how the signal was computed; and the signal itself with arrays. */
+static void get_signal(sp_h5 *h, bool with_arrays, sp_signal_made *made, sp_signal *s) {
+    sp_h5_shape shape = {0};
+    sp_h5_find(h, name_t.path, SP_H5_F64, 1, &shape);
+    double *t = sp_h5_alloc(h, shape.dim[0], sizeof *t);
+    sp_h5_get(h, name_t.path, SP_H5_F64, &shape, t);
+    *made = (sp_signal_made){.points = (int32_t)shape.dim[0], .tolerance = NAN, .until = NAN};
+    if (t && made->points > 0)
+        made->until = t[made->points - 1];
+    if (sp_h5_has(h, tolerance_field.name.path))
+        sp_h5_get_fields(h, 1, &tolerance_field, made);
+    made->method = get_method(h);
+    if (!with_arrays || h->status != SP_OK) {
+        sp_free(t);
+        return;
+    }
+    *s = (sp_signal){.n = made->points, .sources = 1, .detectors = 1, .method = made->method, .t = t};
+    s->f = sp_h5_alloc(h, s->n, sizeof *s->f);
+    sp_h5_get(h, name_f.path, SP_H5_F64, &shape, s->f);
+    sp_h5_get_fields(h, SIGNAL_FIELDS, signal_field, s);
 }
 
-static sp_status get_signal(sp_h5 *h, sp_signal *s, sp_error *err) {
-    sp_h5_shape shape;
-    sp_status status = sp_h5_find(h, name_t.path, SP_H5_F64, 1, &shape, err);
-    if (status != SP_OK)
-        return status;
-    s->n = (int32_t)shape.dim[0];
-    s->sources = s->detectors = 1;
-    s->t = sp_alloc((size_t)s->n, sizeof *s->t);
-    s->f = sp_alloc((size_t)s->n, sizeof *s->f);
-    if (!s->t || !s->f)
-        return sp_fail_memory(err, (size_t)s->n * 16);
-    status = sp_h5_get(h, name_t.path, SP_H5_F64, &shape, s->t, err);
-    if (status == SP_OK)
-        status = sp_h5_get(h, name_f.path, SP_H5_F64, &shape, s->f, err);
-    if (status == SP_OK)
-        status = sp_h5_get_fields(h, SIGNAL_FIELDS, signal_field, s, err);
-    if (status == SP_OK)
-        status = get_method(h, &s->method, err);
-    return status;
-}
-
-/* Checks the number of frequencies, and reads them if data is true. */
-static sp_status get_omega(sp_h5 *h, const sp_spectrum_made *made, bool data, sp_sample_arrays *out, sp_error *err) {
+/* Checks the number of frequencies, and reads them with arrays. */
+static void get_omega(sp_h5 *h, const sp_spectrum_made *made, bool with_arrays, sp_sample_arrays *out) {
     const int64_t modes = (int64_t)made->carrying * made->dof;
     sp_h5_shape shape;
-    sp_status status = sp_h5_find(h, name_omega.path, SP_H5_F64, 1, &shape, err);
-    if (status != SP_OK)
-        return status;
+    if (sp_h5_find(h, name_omega.path, SP_H5_F64, 1, &shape) != SP_OK)
+        return;
     if (modes < 1 || shape.dim[0] != modes || made->dof < 1)
-        return sp_h5_fail(h, err, SP_EFORMAT, "%s has %lld frequencies of %d grains with %d degrees of freedom each",
-                          name_omega.path, (long long)shape.dim[0], made->carrying, made->dof);
-    if (!data)
-        return SP_OK;
-    out->omega = sp_alloc((size_t)modes, sizeof *out->omega);
-    if (!out->omega)
-        return sp_fail_memory(err, (size_t)modes * sizeof *out->omega);
+        sp_h5_fail(h, SP_EFORMAT, "%s has %lld frequencies of %d grains with %d degrees of freedom each",
+                   name_omega.path, (long long)shape.dim[0], made->carrying, made->dof);
+    if (!with_arrays || !(out->omega = sp_h5_alloc(h, modes, sizeof *out->omega)))
+        return;
     out->modes = modes;
-    return sp_h5_get(h, name_omega.path, SP_H5_F64, &shape, out->omega, err);
+    sp_h5_get(h, name_omega.path, SP_H5_F64, &shape, out->omega);
 }
 
-static sp_status get_name(sp_h5 *h, char name[SP_NAME_MAX], sp_error *err) {
+/* Reads a text that has place for `size` characters; a longer one is cut. */
+static void get_short(sp_h5 *h, const char *path, size_t size, char *out) {
     char *text = NULL;
-    sp_status status = sp_h5_get_text(h, name_name.path, &text, err);
-    if (status == SP_OK && strlen(text) >= SP_NAME_MAX)
-        status = sp_h5_fail(h, err, SP_EFORMAT, "%s has %zu characters; at most %d", name_name.path, strlen(text),
-                            SP_NAME_MAX - 1);
-    if (status == SP_OK)
-        snprintf(name, SP_NAME_MAX, "%s", text);
+    if (sp_h5_get_text(h, path, &text) == SP_OK)
+        snprintf(out, size, "%.*s", (int)size - 1, text);
     sp_free(text);
-    return status;
-}
-
-static sp_status get_lacks(sp_h5 *h, sp_sample *s, sp_error *err) {
-    char *text = NULL;
-    sp_status status = sp_h5_get_fields(h, sizeof lacks_field / sizeof *lacks_field, lacks_field, s, err);
-    if (status == SP_OK)
-        status = sp_h5_get_text(h, name_reason.path, &text, err);
-    if (status == SP_OK)
-        snprintf(s->reason, sizeof s->reason, "%s", text);
-    sp_free(text);
-    return status;
 }
 
 const char *sp_sample_fault(const sp_sample *s) {
@@ -403,15 +351,16 @@ const char *sp_sample_fault(const sp_sample *s) {
 }
 
 sp_sample sp_sample_blank(void) {
-    sp_sample s = {.moduli = {.error11 = NAN,
-                              .error12 = NAN,
-                              .error13 = NAN,
-                              .error22 = NAN,
-                              .error23 = NAN,
-                              .error33 = NAN,
-                              .error44 = NAN,
-                              .error55 = NAN,
-                              .error66 = NAN}};
+    const double n = NAN;
+    sp_sample s = {.moduli = {.error11 = n,
+                              .error12 = n,
+                              .error13 = n,
+                              .error22 = n,
+                              .error23 = n,
+                              .error33 = n,
+                              .error44 = n,
+                              .error55 = n,
+                              .error66 = n}};
     for (int k = 0; k < SP_PROBES; k++)
         s.probe[k] = (sp_probe_moduli){.error_along = NAN, .error_shear = NAN, .grain = -1};
     return s;
@@ -428,47 +377,53 @@ int sp_results(sp_result out[SP_RESULTS_MAX]) {
     int used = add_results(out, 0, SAMPLE_FIELDS, sample_field, &always);
     used = add_results(out, used, 1, &kind_field, &always);
     used = add_results(out, used, 1, &material_field, &always);
-    used = add_results(out, used, sizeof lacks_field / sizeof *lacks_field, lacks_field, &always);
+    used = add_results(out, used, LACKS_FIELDS, lacks_field, &always);
     for (int k = 0; k < PARTS; k++)
         used = add_results(out, used, part[k].count, part[k].field, &(sp_result){NULL, part[k].offset, part[k].want});
     return used;
 }
 
-sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *err) {
-    sp_record r = {.sample = sp_sample_blank()};
+static void get_keys(sp_h5 *h, sp_sample *s) {
+    char name[SP_NAME_MAX + 1] = "";
     if (!sp_h5_has(h, "/results/sample"))
-        return sp_h5_fail(h, err, SP_EFORMAT, "no group /results/sample: not a sample of a store");
-    sp_status status = get_name(h, r.sample.name, err);
-    if (status == SP_OK)
-        status = sp_h5_get_fields(h, SAMPLE_FIELDS, sample_field, &r.sample, err);
-    if (status == SP_OK && sp_h5_has(h, kind_field.name.path))
-        status = sp_h5_get_fields(h, 1, &kind_field, &r.sample, err);
-    if (status == SP_OK && sp_h5_has(h, material_field.name.path))
-        status = sp_h5_get_fields(h, 1, &material_field, &r.sample, err);
-    if (status == SP_OK && sp_h5_has(h, lacks_field[0].name.path))
-        status = get_lacks(h, &r.sample, err);
-    for (int k = 0; status == SP_OK && k < PARTS; k++)
-        status = get_part(h, &part[k], &r.sample, err);
-    if (status == SP_OK && sp_h5_has(h, "/results/planes")) {
-        status = get_planes(h, &r.sample, err);
-        r.sample.have |= SP_WANT_PLANES;
+        sp_h5_fail(h, SP_EFORMAT, "no group /results/sample: not a sample of a store");
+    get_short(h, name_name.path, sizeof name, name);
+    if (strlen(name) >= SP_NAME_MAX)
+        sp_h5_fail(h, SP_EFORMAT, "%s has more than %d characters", name_name.path, SP_NAME_MAX - 1);
+    memcpy(s->name, name, SP_NAME_MAX - 1);
+    sp_h5_get_fields(h, SAMPLE_FIELDS, sample_field, s);
+    if (sp_h5_has(h, kind_field.name.path))
+        sp_h5_get_fields(h, 1, &kind_field, s);
+    if (sp_h5_has(h, material_field.name.path))
+        sp_h5_get_fields(h, 1, &material_field, s);
+    if (sp_h5_has(h, lacks_field[0].name.path)) {
+        sp_h5_get_fields(h, LACKS_FIELDS, lacks_field, s);
+        get_short(h, name_reason.path, sizeof s->reason, s->reason);
     }
-    const char *bad = status == SP_OK ? sp_sample_fault(&r.sample) : NULL;
+}
+
+sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out) {
+    sp_record r = {.sample = sp_sample_blank()};
+    sp_sample *s = &r.sample;
+    get_keys(h, s);
+    for (int k = 0; k < PARTS; k++)
+        get_part(h, &part[k], s);
+    if (sp_h5_has(h, "/results/planes"))
+        get_planes(h, s);
+    const char *bad = h->status == SP_OK ? sp_sample_fault(s) : NULL;
     if (bad)
-        status = sp_h5_fail(h, err, SP_EFORMAT, "/results/%s is no value of a sample", bad);
-    if (status == SP_OK && sp_h5_has(h, "/signal")) {
-        r.sample.have |= SP_WANT_SIGNAL;
-        status = get_made(h, &r.sample.signal, err);
-        if (status == SP_OK && with_arrays)
-            status = get_signal(h, &r.arrays.signal, err);
+        sp_h5_fail(h, SP_EFORMAT, "/results/%s is no value of a sample", bad);
+    if (sp_h5_has(h, "/signal")) {
+        s->have |= SP_WANT_SIGNAL;
+        get_signal(h, with_arrays, &s->signal, &r.arrays.signal);
     }
-    if (status == SP_OK && r.sample.have & SP_WANT_SPECTRUM)
-        status = get_omega(h, &r.sample.spectrum, with_arrays, &r.arrays, err);
-    if (status == SP_OK && with_arrays && sp_h5_has(h, name_scene.path))
-        status = sp_h5_get_text(h, name_scene.path, &r.scene, err);
-    if (status == SP_OK)
+    if (s->have & SP_WANT_SPECTRUM)
+        get_omega(h, &s->spectrum, with_arrays, &r.arrays);
+    if (with_arrays && sp_h5_has(h, name_scene.path))
+        sp_h5_get_text(h, name_scene.path, &r.scene);
+    if (h->status == SP_OK)
         *out = r;
     else
         sp_record_free(&r);
-    return status;
+    return h->status;
 }

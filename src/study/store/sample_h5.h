@@ -15,9 +15,9 @@ typedef struct sp_record {
 } sp_record;
 
 void sp_record_free(sp_record *r);
-sp_status sp_record_put(sp_h5 *h, const sp_record *r, sp_error *err);
+void sp_record_put(sp_h5 *h, const sp_record *r);
 /* Without with_arrays, neither the arrays nor the scene are read. */
-sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out, sp_error *err);
+sp_status sp_record_get(sp_h5 *h, bool with_arrays, sp_record *out);
 
 /* Which of the numbers that tables sort and divide by, or count with, is none that a sample can have; NULL: none. */
 const char *sp_sample_fault(const sp_sample *s);
@@ -32,5 +32,15 @@ typedef struct sp_result {
 } sp_result;
 enum { SP_RESULTS_MAX = 80 };
 int sp_results(sp_result out[SP_RESULTS_MAX]);
+
+/* The numbers of each plane: its height, and the front there. */
+typedef struct sp_plane_field {
+    sp_h5_name name;
+    size_t offset, stride; /* of the first plane's in sp_sample; from one plane's to the next one's */
+} sp_plane_field;
+enum { SP_PLANE_FIELDS = 6 };
+extern const sp_plane_field sp_plane_fields[SP_PLANE_FIELDS];
+double sp_plane_number(const sp_plane_field *f, const sp_sample *s, int32_t plane);
+void sp_plane_set(const sp_plane_field *f, sp_sample *s, int32_t plane, double number);
 
 #endif

@@ -1,9 +1,9 @@
 /* Makes a store the sink of a study: loads and saves its samples. */
 #include "base/base.h"
-#include "store/failure.h"
 #include "store/folder.h"
 
 #include <sonopack/study/store.h>
+#include <stddef.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -66,20 +66,20 @@ static void keep_lacks(sp_sample *fresh, const sp_sample *old) {
 
 /* Adds the parts that only the old record has to `fresh`, which becomes the owner of arrays and scene. */
 static void keep_old_parts(sp_record *fresh, sp_record *old) {
+    static const struct {
+        unsigned want;
+        size_t offset, size; /* in sp_sample */
+    } parts[] = {
+        {SP_WANT_CTOF, offsetof(sp_sample, front), sizeof(sp_front)},
+        {SP_WANT_STATICS, offsetof(sp_sample, statics), sizeof(sp_statics)},
+        {SP_WANT_MODULI, offsetof(sp_sample, moduli), sizeof(sp_moduli)},
+        {SP_WANT_PROBES, offsetof(sp_sample, probe), sizeof fresh->sample.probe},
+        {SP_WANT_PLANES, offsetof(sp_sample, planes), offsetof(sp_sample, signal) - offsetof(sp_sample, planes)}};
     const unsigned missing = old->sample.have & ~fresh->sample.have;
-    if (missing & SP_WANT_CTOF)
-        fresh->sample.front = old->sample.front;
-    if (missing & SP_WANT_STATICS)
-        fresh->sample.statics = old->sample.statics;
-    if (missing & SP_WANT_MODULI)
-        fresh->sample.moduli = old->sample.moduli;
-    if (missing & SP_WANT_PROBES)
-        memcpy(fresh->sample.probe, old->sample.probe, sizeof fresh->sample.probe);
-    if (missing & SP_WANT_PLANES) {
-        fresh->sample.planes = old->sample.planes;
-        memcpy(fresh->sample.plane, old->sample.plane, sizeof fresh->sample.plane);
-        memcpy(fresh->sample.plane_front, old->sample.plane_front, sizeof fresh->sample.plane_front);
-    }
+    for (size_t k = 0; k < sizeof parts / sizeof *parts; k++)
+        if (missing & parts[k].want)
+            memcpy((char *)&fresh->sample + parts[k].offset, (const char *)&old->sample + parts[k].offset,
+                   parts[k].size);
     fresh->sample.have |= missing;
     keep_lacks(&fresh->sample, &old->sample);
     if (fresh->arrays.signal.n == 0) {

@@ -1,9 +1,7 @@
 /* What a file says of its packing beside grains and contacts, compared with these. */
-#include "store/stated.h"
-
 #include "base/base.h"
 #include "packing/contact.h"
-#include "store/packing_h5.h"
+#include "store/folder.h"
 
 #include <math.h>
 #include <string.h>
@@ -56,7 +54,8 @@ static sp_status check_pressure(const sp_packing *p, const sp_pack_spec *s, sp_e
     return found || s->stress_count > 0 ? SP_OK : sp_at_odds(err, "/sonopack/pressure", p->pressure, s->pressure);
 }
 
-sp_status sp_stated_scene(const sp_packing *p, sp_error *err) {
+/* The keys of the packing's own scene. A scene that this version cannot read is left out. SP_ENOMEM. */
+static sp_status stated_scene(const sp_packing *p, sp_error *err) {
     sp_scene scene = sp_scene_default();
     sp_status status = p->scene ? sp_scene_parse(p->scene, "scene", 0, NULL, &scene, err) : SP_EINVAL;
     if (status == SP_OK)
@@ -73,7 +72,7 @@ sp_status sp_stated_scene(const sp_packing *p, sp_error *err) {
 /* The residual is the largest acceleration at the end, which a reader takes for the quality of the packing. Those of
  * lattices are 0, where rounding is not. Contacts that slide during the last step are put back on Coulomb's limit after
  * the residual was found: one packing in 150 of 40 grains has an acceleration up to 1.2 times as large. */
-sp_status sp_stated_residual(const sp_packing *p, const sp_audit *audit, sp_error *err) {
+static sp_status stated_residual(const sp_packing *p, const sp_audit *audit, sp_error *err) {
     const double stated = p->residual, found = audit->acceleration;
     if (isnan(stated) || (isfinite(stated) && stated >= 0 && found <= 10 * stated + 1e-9 * p->pressure))
         return SP_OK;
@@ -82,55 +81,55 @@ sp_status sp_stated_residual(const sp_packing *p, const sp_audit *audit, sp_erro
 
 /* ---- numbers that no reader of packings uses --------------------------------------------------------------------- */
 
-static sp_status check_masses(sp_h5 *h, const sp_packing *p, double *buffer, sp_error *err) {
+static void check_masses(sp_h5 *h, const sp_packing *p) {
     static const char *const path = "/particles/grains/mass";
     if (p->mass || !sp_h5_has(h, path))
-        return SP_OK;
-    sp_status status = sp_h5_get(h, path, SP_H5_F64, &(sp_h5_shape){1, {p->n}}, buffer, err);
-    for (int32_t i = 0; status == SP_OK && i < p->n; i++)
-        if (!(fabs(buffer[i] - grain_mass(p->r[i])) <= 1e-9 * grain_mass(p->r[i])))
-            status = sp_at_odds(err, path, buffer[i], grain_mass(p->r[i]));
-    return status;
+        return;
+    double *stated = sp_h5_alloc(h, p->n, sizeof *stated);
+    sp_h5_get(h, path, SP_H5_F64, &(sp_h5_shape){1, {p->n}}, stated);
+    for (int32_t i = 0; h->status == SP_OK && i < p->n; i++)
+        if (!(fabs(stated[i] - grain_mass(p->r[i])) <= 1e-9 * grain_mass(p->r[i])))
+            h->status = sp_at_odds(h->err, path, stated[i], grain_mass(p->r[i]));
+    sp_free(stated);
 }
 
-static sp_status check_rattlers(sp_h5 *h, const sp_packing *p, uint8_t *stated, uint8_t *found, sp_error *err) {
+static void check_rattlers(sp_h5 *h, const sp_packing *p) {
     static const char *const path = "/sonopack/rattler";
     if (!sp_h5_has(h, path))
-        return SP_OK;
-    sp_status status = sp_h5_get(h, path, SP_H5_U8, &(sp_h5_shape){1, {p->n}}, stated, err);
-    if (status == SP_OK)
-        status = sp_packing_rattlers(p, 1e-4, found, NULL, NULL, err);
-    for (int32_t i = 0; status == SP_OK && i < p->n; i++)
+        return;
+    uint8_t *stated = sp_h5_alloc(h, p->n, 1), *found = sp_h5_alloc(h, p->n, 1);
+    if (sp_h5_get(h, path, SP_H5_U8, &(sp_h5_shape){1, {p->n}}, stated) == SP_OK)
+        h->status = sp_packing_rattlers(p, 1e-4, found, NULL, NULL, h->err);
+    for (int32_t i = 0; h->status == SP_OK && i < p->n; i++)
         if (stated[i] != found[i])
-            status = sp_at_odds(err, path, stated[i], found[i]);
-    return status;
+            h->status = sp_at_odds(h->err, path, stated[i], found[i]);
+    sp_free(stated);
+    sp_free(found);
 }
 
-static sp_status check_steps(sp_h5 *h, const sp_packing *p, sp_error *err) {
+static void check_steps(sp_h5 *h, const sp_packing *p) {
     static const char *const path = "/particles/grains/position/step";
     int64_t step = 0;
-    if (!sp_h5_has(h, path))
-        return SP_OK;
-    sp_status status = sp_h5_get(h, path, SP_H5_I64, &(sp_h5_shape){1, {1}}, &step, err);
-    return status == SP_OK && step != p->steps ? sp_at_odds(err, path, (double)step, (double)p->steps) : status;
+    if (sp_h5_has(h, path) && sp_h5_get(h, path, SP_H5_I64, &(sp_h5_shape){1, {1}}, &step) == SP_OK && step != p->steps)
+        h->status = sp_at_odds(h->err, path, (double)step, (double)p->steps);
 }
 
-sp_status sp_stated_unread(const char *path, const sp_packing *p, sp_error *err) {
+/* Masses, rattlers and steps in an HDF5 file, which are there for other programs. */
+static sp_status stated_unread(const char *path, const sp_packing *p, sp_error *err) {
     sp_h5 h;
-    double *masses = sp_alloc((size_t)p->n, sizeof *masses);
-    uint8_t *rattler = sp_alloc(2 * (size_t)p->n, 1);
-    sp_status status = masses && rattler ? SP_OK : sp_fail_memory(err, (size_t)p->n * 10);
-    if (status == SP_OK) {
-        status = sp_h5_open(&h, path, err);
-        if (status == SP_OK)
-            status = check_masses(&h, p, masses, err);
-        if (status == SP_OK)
-            status = check_rattlers(&h, p, rattler, rattler + p->n, err);
-        if (status == SP_OK)
-            status = check_steps(&h, p, err);
-        sp_h5_close(&h);
-    }
-    sp_free(rattler);
-    sp_free(masses);
-    return status;
+    sp_h5_open(&h, path, err);
+    check_masses(&h, p);
+    check_rattlers(&h, p);
+    check_steps(&h, p);
+    return sp_h5_close(&h);
+}
+
+sp_status sp_packing_check_stated(const char *path, const sp_packing *p, const sp_audit *audit, sp_error *err) {
+    bool hdf5;
+    sp_status status = sp_is_hdf5(path, &hdf5, err);
+    if (status == SP_OK)
+        status = stated_scene(p, err);
+    if (status == SP_OK)
+        status = stated_residual(p, audit, err);
+    return status == SP_OK && hdf5 ? stated_unread(path, p, err) : status;
 }

@@ -7,18 +7,11 @@
 #include <dirent.h>
 #include <errno.h>
 #include <sonopack/study/store.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 
 /* ---- opening --------------------------------------------------------------------------------------------------- */
-
-static sp_status check_folder(const char *dir, sp_error *err) {
-    DIR *folder = opendir(dir);
-    if (!folder)
-        return sp_fail(err, SP_EIO, "cannot open the store %s: %s", dir, strerror(errno));
-    closedir(folder);
-    return SP_OK;
-}
 
 /* A folder that cannot be written to may still have samples for tables. */
 static sp_status prepare_writing(sp_store *store, sp_error *err) {
@@ -26,7 +19,6 @@ static sp_status prepare_writing(sp_store *store, sp_error *err) {
     sp_error why = {0};
     if (sp_folder_probe(store->dir, &why) == SP_OK) {
         sp_folder_clean(store->dir);
-        sp_manifest_allow_adding(store->manifest);
         return SP_OK;
     }
     sp_status status = sp_store_names(store, &list, err);
@@ -44,17 +36,18 @@ sp_status sp_store_open(const char *dir, bool create, sp_store **out, sp_error *
                        SP_PATH_MAX - 65);
     if (create && mkdir(dir, 0777) != 0 && errno != EEXIST)
         return sp_fail(err, SP_EIO, "cannot make the store %s: %s", dir, strerror(errno));
-    sp_status status = check_folder(dir, err);
-    if (status != SP_OK)
-        return status;
+    DIR *folder = opendir(dir);
+    if (!folder)
+        return sp_fail(err, SP_EIO, "cannot open the store %s: %s", dir, strerror(errno));
+    closedir(folder);
     sp_store *store = sp_alloc(1, sizeof *store);
     if (!store)
         return sp_fail_memory(err, sizeof *store);
     memcpy(store->dir, dir, strlen(dir));
     store->claims.fd = -1;
-    status = sp_manifest_open(dir, &store->manifest, err);
-    if (status == SP_OK && create)
-        status = prepare_writing(store, err);
+    sp_status status = create ? prepare_writing(store, err) : SP_OK;
+    if (status == SP_OK)
+        status = sp_manifest_open(dir, create && !store->read_only, &store->manifest, err);
     if (status != SP_OK) {
         sp_store_close(store);
         return status;
@@ -70,6 +63,77 @@ void sp_store_close(sp_store *store) {
 }
 
 void sp_store_retry(sp_store *store, bool retry) { store->retry = retry; }
+
+/* ---- looking up ----------------------------------------------------------------------------------------------------
+ */
+
+/* A file of the store, and its status. */
+typedef struct place {
+    char path[SP_PATH_MAX];
+    struct stat info;
+} place;
+
+static bool find_file(const sp_store *store, const char *name, const char *ending, place *out) {
+    sp_store_path(store, name, ending, out->path);
+    out->info = (struct stat){0};
+    return stat(out->path, &out->info) == 0;
+}
+
+void sp_store_enter(const sp_store *store, const sp_sample *sample) {
+    place file;
+    if (find_file(store, sample->name, sample->failed ? "failed" : "h5", &file) && S_ISREG(file.info.st_mode))
+        sp_manifest_add(store->manifest, &file.info, sample);
+}
+
+/* The results of a sample, or else the record of its failure; from the manifest where that is up to date. */
+static sp_status find_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
+    place file;
+    sp_record r;
+    /* if the file system does not answer, reading the file will tell */
+    const bool made = find_file(store, name, "h5", &file) || errno != ENOENT;
+    if (!made && !find_file(store, name, "failed", &file))
+        return sp_fail(err, SP_EIO, "no sample %s in the store %s", name, store->dir);
+    if (sp_manifest_find(store->manifest, name, !made, &file.info, out))
+        return SP_OK;
+    sp_status status =
+        made ? sp_store_get(store, name, NULL, false, &r, err) : sp_failure_read(file.path, name, out, err);
+    if (status == SP_OK && made) {
+        *out = r.sample;
+        sp_record_free(&r);
+    }
+    return status;
+}
+
+sp_status sp_store_finished(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
+    place file;
+    sp_record r;
+    sp_packing p;
+    if (!sp_store_holds(store, name, "h5"))
+        return sp_fail(err, SP_EIO, "no finished sample %s in the store %s", name, store->dir);
+    if (find_file(store, name, "h5", &file) && sp_manifest_find(store->manifest, name, false, &file.info, out))
+        return SP_OK;
+    sp_status status = sp_store_get(store, name, &p, true, &r, err);
+    if (status != SP_OK)
+        return status;
+    *out = r.sample;
+    sp_store_enter(store, out);
+    sp_record_free(&r);
+    sp_packing_free(&p);
+    return SP_OK;
+}
+
+bool sp_store_has_failed(const sp_store *store, const char *name) {
+    place file;
+    sp_sample sample;
+    if (!find_file(store, name, "failed", &file))
+        return false;
+    if (sp_manifest_find(store->manifest, name, true, &file.info, &sample))
+        return true;
+    if (sp_failure_read(file.path, name, &sample, NULL) != SP_OK)
+        return false;
+    sp_store_enter(store, &sample);
+    return true;
+}
 
 /* ---- reading --------------------------------------------------------------------------------------------------- */
 
@@ -99,12 +163,13 @@ sp_status sp_store_samples(sp_store *store, int64_t *n, sp_sample **samples, int
     sp_sample *all = NULL;
     int64_t good = 0, damaged = 0;
     sp_error first = {0};
+    sp_manifest_refresh(store->manifest);
     sp_status status = sp_store_names(store, &list, err);
     if (status == SP_OK && !(all = sp_alloc((size_t)list.count, sizeof *all)))
         status = sp_fail_memory(err, (size_t)list.count * sizeof *all);
     for (int64_t k = 0; status == SP_OK && k < list.count; k++) {
         sp_error reason = {0};
-        sp_status one = sp_store_sample(store, list.name[k], &all[good], &reason);
+        sp_status one = find_sample(store, list.name[k], &all[good], &reason);
         if (one == SP_OK) {
             good++;
         } else if (one == SP_ENOMEM || (one == SP_EIO && sp_store_holds(store, list.name[k], "h5"))) {

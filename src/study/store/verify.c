@@ -1,7 +1,6 @@
 /* Checks every file of a store, and renames those that are damaged. */
 #include "base/base.h"
 #include "base/pool.h"
-#include "store/failure.h"
 #include "store/folder.h"
 
 #include <stdio.h>
@@ -135,8 +134,11 @@ sp_status sp_store_verify(sp_store *store, const sp_store_check *check, sp_error
     sp_status status = sp_pool_make(b.most, &b.pool, err);
     if (status == SP_OK && !(b.task = sp_alloc((size_t)b.most, sizeof *b.task)))
         status = sp_fail_memory(err, (size_t)b.most * sizeof *b.task);
-    if (access(store->dir, W_OK) == 0)
-        sp_manifest_allow_adding(store->manifest);
+    sp_manifest *adding;
+    if (access(store->dir, W_OK) == 0 && sp_manifest_open(store->dir, true, &adding, NULL) == SP_OK) {
+        sp_manifest_close(store->manifest);
+        store->manifest = adding;
+    }
     if (status == SP_OK && check->names < 0)
         status = sp_store_names(store, &all, err);
     b.names = check->names < 0 ? all.count : check->names;

@@ -139,7 +139,7 @@ def test_frames(tmp_path):
     for k in range(3):
         (tmp_path / f"b{k}.dump").write_text(frame(k, k * 1e-5))
     assert len(list(formats.series(tmp_path / "b*.dump", **words))) == 3
-    with pytest.raises(SonopackError, match="no frame of step 15"):
+    with pytest.raises(SonopackError, match="no frame 15; it has 3, 10 .. 30"):
         Packing.read(tmp_path / "a.dump", frame=15, **words)
 
 

@@ -3,14 +3,13 @@ import math
 
 import pytest
 
-from sonopack.papers import published
 from sonopack.papers.blackmore.rows import Row as Claim
-from sonopack.papers.page import Page
+from sonopack.papers.report import Page
 from sonopack.papers.somfai.claims import bessel
 from sonopack.papers.somfai.fronts import line
-from sonopack.papers.somfai.rows import _claim_cells, _value_cells
+from sonopack.papers.somfai.rows import Row, Sum, _claim_cells, _value_cells, counted, families, judged, mean_of
 from sonopack.papers.somfai.samples import count, needs, scene
-from sonopack.papers.somfai.verdict import Row, Sum, counted, families, judged, mean_of
+from sonopack.papers.work import by_key, published
 
 NAN = math.nan
 
@@ -45,9 +44,8 @@ def test_rounding_of_print():
 
 
 def test_means():
-    row = mean_of(Row("", ""), [1, 2, NAN, 3])
-    assert (row.ours, row.ours_sd, row.samples) == (2, 1, 3) and row.err == pytest.approx(3**-0.5)
-    assert math.isnan(mean_of(Row("", ""), [1]).err) and math.isnan(mean_of(Row("", ""), []).ours)
+    assert mean_of([1, 2, NAN, 3]) == pytest.approx((3, 2, 1, 3**-0.5))
+    assert math.isnan(mean_of([1]).err) and math.isnan(mean_of([]).mean)
     sums = Sum([1, 2, NAN, 3])
     assert (sums.n, sums.mean) == (3, 2) and sums.err == pytest.approx(3**-0.5) and math.isnan(Sum([1]).err)
 
@@ -97,23 +95,23 @@ def test_no_text_is_markup():
 
 def test_published_tables():
     """Every row has its cells, an item that exists, and numbers where numbers must be."""
-    assert len(published.table("somfai", "tables")) == 92
+    assert len(published("somfai", "tables")) == 92
     for paper, names in (("somfai", ("tables", "stated", "claims", "ensembles", "items")),
                          ("blackmore", ("rows", "items"))):
         for name in names:
-            rows = published.table(paper, name)
+            rows = published(paper, name)
             assert rows and all(None not in row and None not in row.values() for row in rows), (paper, name)
-    for row in published.table("somfai", "claims"):
+    for row in published("somfai", "claims"):
         assert row["relation"] in "<=>" and row["where"] and float(row["limit"]) < 1e3 and len(row["note"]) > 20
-    for row in published.table("blackmore", "rows"):
+    for row in published("blackmore", "rows"):
         assert row["kind"] in ("value", "claim", "erratum") and row["relation"] in "<=>"
-        assert row["item"] in published.by_key("blackmore", "items", "name") and float(row["precision"]) >= 0
+        assert row["item"] in by_key("blackmore", "items", "name") and float(row["precision"]) >= 0
 
 
 def test_ensembles():
     assert [count(key, 30) for key in ("square", "tallest", "spheres", "lattice")] == [30, 15, 8, 1]
     assert [count("tallest", n) for n in (1, 2, 3)] == [1, 2, 2]
-    for item in published.by_key("somfai", "items", "name"):
+    for item in by_key("somfai", "items", "name"):
         for ensemble, want in needs(item, drawn=True).items():
             assert scene(ensemble, 2, "quick", want).samples >= 1
     assert needs("fig1", drawn=False) == {} and needs("table2", drawn=False) == {"square": {"statics", "moduli"}}

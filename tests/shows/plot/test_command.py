@@ -1,4 +1,4 @@
-"""sonopack plot: options, files, statuses. One table has the refusals."""
+"""sonopack plot: options, files, statuses."""
 import os
 import re
 import signal
@@ -6,9 +6,6 @@ import subprocess
 
 import numpy as np
 import pytest
-
-from sonopack import SonopackError, Status
-from sonopack.plot import command
 
 SIGNAL = "# units: t [d/sqrt(E* / rho)] F [E* d^2]\nt\tF\n" + "".join(
     f"{t}\t{np.exp(-0.5 * ((t - 40) / 5)**2) - 0.5 * np.exp(-0.5 * ((t - 55) / 5)**2)}\n" for t in np.linspace(0, 99, 300))
@@ -21,50 +18,13 @@ GLASS = "E=70e9,nu=0.22,rho=2500,d=1e-3"
 def folder(tmp_path):
     (tmp_path / "s.tsv").write_text(SIGNAL)
     (tmp_path / "c.tsv").write_text(SPEEDS)
-    (tmp_path / "v.tsv").write_text(SIGNAL.replace("t [d/sqrt(E* / rho)] F [E* d^2]", "t [ms] F [V]"))
     (tmp_path / "bad.tsv").write_text("p\tc_tof\n1e-4\t-1\n")
-    (tmp_path / "old.svg").write_text("<svg/>")
-    (tmp_path / "mine.svg").write_text("mine")
     return tmp_path
 
 
 def words_of(path):
     """The texts of an SVG, which stand in its comments."""
     return re.findall(r"<!-- (.*?) -->", path.read_text())
-
-
-@pytest.mark.parametrize("arguments, status, reason", [
-    ("ctof s.tsv -o x.svg", 1, "no column p"), ("ctof bad.tsv -o x.svg", 1, "c_tof = -1: must be above 0"),
-    ("ctof none.tsv -o x.svg", 1, "none.tsv"), ("signal s.tsv v.tsv -o x.svg", 1, "must be the same unit"),
-    ("ctof c.tsv", 2, "no -o FILE"), ("ctof -o x.svg", 2, "no file to draw"), ("nothing c.tsv -o x.svg", 2, "nothing"),
-    ("ctof c.tsv -o x.gif", 2, ".svg, .png or .pdf"), ("ctof c.tsv -o old.svg", 2, "exists already"),
-    ("ctof c.tsv --force -o mine.svg", 2, "another kind"), ("ctof c.tsv --format csv -o x.svg", 2, "--format"),
-    ("ctof c.tsv --store st -o x.svg", 2, "not both"), ("ctof --store none -o x.svg", 1, "none"),
-    ("ctof c.tsv --label a --label b -o x.svg", 2, "2 label(s) for 1 file"),
-    ("ctof c.tsv --published --no-published -o x.svg", 2, "one of them"),
-    ("ctof c.tsv --published --units si --material " + GLASS + " -o x.svg", 2, "--published"),
-    ("ctof c.tsv --mode 3 -o x.svg", 2, "--mode: not for plot ctof"), ("network c.tsv --x 1:2 -o x.svg", 2, "--x"),
-    ("ctof c.tsv --set friction=1 -o x.svg", 2, "--set"), ("signal s.tsv --set packing.friction=1 -o x.svg", 2, "--set"),
-    ("ctof c.tsv --units si -o x.svg", 2, "needs a material"), ("signal s.tsv --log y -o x.svg", 2, "below 0"),
-    ("ctof c.tsv --x 3:1 -o x.svg", 2, "empty range"), ("ctof c.tsv --y : -o x.svg", 2, "LO:HI"),
-    ("ctof c.tsv --y nan:1 -o x.svg", 2, "--y"), ("ctof c.tsv --x -1:2 -o x.svg", 2, "above 0"),
-    ("ctof c.tsv --log z -o x.svg", 2, "--log"), ("spectrum c.tsv --column F -o x.svg", 2, "alpha, k or speed"),
-    ("mode p.h5 --frames 1 -o x.svg", 2, "2 .. 100000"), ("snapshot p.h5 --from 3 -o x.svg", 2, "needs --frames"),
-    ("mode p.h5 --frames 3 -o x%q.svg", 2, "%d or %04d"), ("mode p.h5 --table x.svg -o x.svg", 2, "another file"),
-    ("pareto c.tsv -o x.svg", 1, "case, method, seconds, error"), ("fronts s.tsv -o x.svg", 1, "sonopack front"),
-    ("spectrum c.tsv -o x.svg", 1, "sonopack spectrum"), ("dispersion c.tsv -o x.svg", 1, "polarization"),
-    ("wave c.tsv -o x.svg", 1, "sonopack wave"), ("transport c.tsv -o x.svg", 1, "omega"),
-    ("amplitude c.tsv -o x.svg", 1, "sonopack amplitude"), ("modes c.tsv -o x.svg", 1, "no column n"),
-    ("ensemble c.tsv -o x.svg", 1, "no column t"), ("scaling c.tsv -o x.svg", 1, "distance or grains")])
-def test_refusals_say_why_and_leave_nothing(monkeypatch, folder, arguments, status, reason):
-    before = sorted(folder.iterdir())
-    monkeypatch.chdir(folder)
-    with pytest.raises((SonopackError, OSError)) as caught:
-        command.run(command.parser().parse_intermixed_args(arguments.split()))
-    fault = caught.value
-    assert reason in str(fault)
-    assert (2 if isinstance(fault, SonopackError) and fault.status == Status.EINVAL else 1) == status, str(fault)
-    assert sorted(folder.iterdir()) == before
 
 
 def test_statuses_of_the_process(sonopack, folder):

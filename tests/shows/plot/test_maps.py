@@ -8,6 +8,8 @@ from matplotlib.quiver import Quiver
 import sonopack
 from sonopack import plot
 from sonopack.plot import _view, command, maps
+from sonopack.plot._inputs import Input
+from sonopack.plot._motion import find_mode
 
 matplotlib.use("agg")
 GLASS = sonopack.Material(70e9, 0.22, 2500.0, 1e-3)
@@ -289,67 +291,18 @@ def test_a_spectrogram_finds_the_frequency_of_a_chirp():
     bar = next(one for one in ax.figure.axes if one is not ax)
     assert "[" in bar.get_ylabel() and ax.get_ylabel() == r"$\omega$  [$(E^*/\rho)^{1/2}/d$]"
     energy = np.mean(np.sin(0.5 * t + 0.001 * t**2)**2)  # Parseval: the density over omega adds up to the mean square
-    omega, times, power = maps._spectrum(plot._inputs.Input(table), maps.traces_of(plot._inputs.Input(table))[0])
+    omega, times, power = maps._spectrum(Input(table), maps.traces_of(Input(table))[0])
     assert np.mean(power.sum(axis=0) * (omega[1] - omega[0])) == pytest.approx(energy, rel=0.02)
 
 
-# ---- refusals -------------------------------------------------------------------------------------------------------
+# ---- files of the command -------------------------------------------------------------------------------------------
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory, flat):
-    tmp_path = tmp_path_factory.mktemp("maps")
+@pytest.fixture
+def folder(tmp_path, flat):
     flat.save(tmp_path / "p.h5")
-    made(cell="periodic").save(tmp_path / "q.h5")
     flat.network().modes().save(tmp_path / "m.h5")
-    n = flat.n
-    for name, columns in {"far.tsv": {"grain": [n], "factor": [2.0]}, "one.tsv": {"grain": [0], "factor": [1.0]},
-                          "low.tsv": {"grain": [0], "factor": [-1.0]}, "x.tsv": {"grain": [0], "size": [1.0]},
-                          "nan.tsv": {"contact": [0], "by_kn": [np.nan]}, "zero.tsv": {"contact": [0], "by_kn": [0.0]},
-                          "k.tsv": {"contact": [10**6], "by_kn": [1.0]},
-                          "short.tsv": {"t": [0.0, 1.0], "F": [0.0, 1.0]},
-                          "gap.tsv": {"t": [*range(99), 200.0], "F": np.arange(100.0)},
-                          "still.tsv": {"t": np.arange(100.0), "F": np.ones(100)},
-                          "dull.tsv": {"angle": [0.0, 0.0], "all": [1.0, 1.0]},
-                          "minus.tsv": {"angle": [0.0, 90.0], "all": [1.0, -1.0]},
-                          "skw.tsv": {"polarization": ["longitudinal"], "k": [1.0], "omega": [1.0],
-                                      "S": [1.0]}}.items():
-        sonopack.Table.from_columns(columns).save(tmp_path / name)
-    other = made(seed=9)
-    from sonopack.plot._inputs import Input
-    from sonopack.plot._motion import find_mode
-    find_mode([Input(other)], None, None).table().save(tmp_path / "other.tsv")
     find_mode([Input(flat)], None, None).table().save(tmp_path / "mode.tsv")
     return tmp_path
-
-
-@pytest.mark.parametrize("arguments, status, reason", [
-    ("grains p.h5 -o a.svg", 2, "needs a packing and a table"),
-    ("grains p.h5 far.tsv -o a.svg", 1, "of another packing"),
-    ("grains p.h5 one.tsv -o a.svg", 1, "all grains are alike"), ("grains p.h5 low.tsv -o a.svg", 1, "must be above 0"),
-    ("grains p.h5 x.tsv -o a.svg", 1, "no column factor"), ("sensitivity p.h5 x.tsv -o a.svg", 1, "by_kn"),
-    ("sensitivity p.h5 nan.tsv -o a.svg", 1, "row 1: must have finite numbers"),
-    ("sensitivity p.h5 zero.tsv -o a.svg", 1, "nothing to draw"),
-    ("sensitivity p.h5 k.tsv -o a.svg", 1, "contact 1e+06"),
-    ("mode p.h5 --mode 99999 -o a.svg", 2, "--mode 99999: must be in"),
-    ("mode p.h5 other.tsv -o a.svg", 1, "another packing"),
-    ("mode p.h5 mode.tsv --mode 99 -o a.svg", 2, "--mode 99"),
-    ("mode p.h5 short.tsv -o a.svg", 1, "table of displacements"),
-    ("snapshot p.h5 mode.tsv -o a.svg", 1, "must be snapshot"), ("snapshot q.h5 -o a.svg", 1, "no walls"),
-    ("snapshot p.h5 m.h5 -o a.svg", 1, "must be a table"), ("mode q.h5 m.h5 -o a.svg", 1, "m.h5"),
-    ("angles dull.tsv -o a.svg", 1, "must be finite and rise"), ("angles minus.tsv -o a.svg", 1, "all = -1"),
-    ("angles x.tsv -o a.svg", 1, "a table of directions has"),
-    ("forces x.tsv -o a.svg", 1, "a table of contact values has"),
-    ("forces p.h5 far.tsv -o a.svg", 1, "far.tsv"),
-    ("snapshot p.h5 --frames 3 --from 9 --to 2 -o a.svg", 2, "--from 9"), ("network none.h5 -o a.svg", 1, "none.h5"),
-    ("spectrogram short.tsv -o a.svg", 1, "64 or more"), ("spectrogram gap.tsv -o a.svg", 1, "equally spaced"),
-    ("spectrogram still.tsv -o a.svg", 1, "constant"), ("dispersion skw.tsv -o a.svg", 1, "each pair of k and omega")])
-def test_refusals(folder, monkeypatch, arguments, status, reason):
-    monkeypatch.chdir(folder)
-    before = sorted(folder.iterdir())
-    with pytest.raises(sonopack.SonopackError) as fault:
-        command.run(command.parser().parse_intermixed_args(arguments.split()))
-    assert (2 if fault.value.status == sonopack.Status.EINVAL else 1) == status
-    assert reason in str(fault.value) and sorted(folder.iterdir()) == before
 
 
 @pytest.fixture

@@ -3,7 +3,10 @@ import os
 import pathlib
 import subprocess
 
+import numpy as np
 import pytest
+
+import sonopack
 
 COMMAND, SOURCE = os.environ["SONOPACK"], pathlib.Path(__file__).parents[3]
 
@@ -20,3 +23,17 @@ def raised(kind, function, *arguments, **more):
     with pytest.raises(kind) as found:
         function(*arguments, **more)
     return found.value
+
+
+def table(*words):
+    """The table that a command writes."""
+    command(*words, "-o", "table.tsv", "--force", "--quiet")
+    return sonopack.Table.read("table.tsv")
+
+
+def equal(read, name, values, what=""):
+    """A column has these numbers: bits, signs of zeros and nan included."""
+    column, values = np.asarray(read[name], float), np.atleast_1d(np.asarray(values, float))
+    assert column.shape == values.shape, (what, name, column.shape, values.shape)
+    same = (column.view(np.int64) == values.view(np.int64)) | (np.isnan(column) & np.isnan(values))
+    assert same.all(), (what, name, column[~same], values[~same])

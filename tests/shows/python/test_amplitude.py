@@ -1,22 +1,12 @@
 """Loud pulses and bursts have the command's numbers bit for bit."""
 import math
 
-import numpy as np
-from common import SOURCE, command
+import pytest
+from common import SOURCE, command, equal, raised, table
 
 import sonopack
 
 DISKS = SOURCE / "packings/reference/packing_N200_p1e-4.txt"
-
-
-def table(*words):
-    command(*words, "-o", "loud.tsv", "--force", "--quiet")
-    return sonopack.Table.read("loud.tsv")
-
-
-def equal(read, name, values):
-    column, values = np.asarray(read[name], float), np.asarray(values, float)
-    assert np.array_equal(column, values, equal_nan=True), (name, column, values)
 
 
 def chain():
@@ -62,14 +52,10 @@ def test_solitary():
         equal(read, column, [getattr(wave, field) for wave in found])
 
 
-def test_refusals():
-    packing = sonopack.Packing.read(DISKS)
-    for call in (lambda: packing.loud_fronts([0.1, -1]), lambda: packing.loud_fronts([0.1], tolerance=1),
-                 lambda: packing.loud_planes(0.1, [2, 2.01]), lambda: packing.loud_burst(0.1, -1),
-                 lambda: sonopack.solitary(0)):
-        try:
-            call()
-        except sonopack.InvalidInput as reason:
-            assert str(reason) and reason.key, "no reason"
-        else:
-            assert False, "was taken"
+@pytest.mark.parametrize("call", [
+    lambda packing: packing.loud_fronts([0.1, -1]), lambda packing: packing.loud_fronts([0.1], tolerance=1),
+    lambda packing: packing.loud_planes(0.1, [2, 2.01]), lambda packing: packing.loud_burst(0.1, -1),
+    lambda packing: sonopack.solitary(0)])
+def test_refusals(call):
+    fault = raised(sonopack.InvalidInput, call, sonopack.Packing.read(DISKS))
+    assert str(fault) and fault.key

@@ -5,7 +5,7 @@ import os
 import pathlib
 
 import numpy as np
-from common import SOURCE, command
+from common import SOURCE, command, equal, table
 
 import sonopack
 
@@ -15,19 +15,6 @@ STUDY = """packing = { width = 12; };
 study = { samples = 3; want = ["ctof", "moduli", "statics", "signal", "spectrum"]; sweep = (
   { key = "packing.grains"; values = [60, 100]; }, { key = "packing.pressure"; values = [1e-5, 1e-4]; } ); };
 """
-
-
-def table(*words):
-    command(*words, "-o", "table.tsv", "--force", "--quiet")
-    return sonopack.Table.read("table.tsv")
-
-
-def equal(read, name, values, what):
-    """Bits, signs of zeros and nan included."""
-    column, values = np.asarray(read[name], float), np.atleast_1d(np.asarray(values, float))
-    assert column.shape == values.shape, (what, name, column.shape, values.shape)
-    same = (column.view(np.int64) == values.view(np.int64)) | (np.isnan(column) & np.isnan(values))
-    assert same.all(), (what, name, column[~same], values[~same])
 
 
 def all_equal(read, result, names, what):

@@ -10,7 +10,7 @@ import pytest
 from common import SOURCE, command, raised
 
 import sonopack
-from sonopack import _command, _core, _records
+from sonopack import _command, _core, _records, formats
 from sonopack._reference import COMMENTS
 
 DISKS = SOURCE / "packings/reference/packing_N200_p1e-4.txt"
@@ -23,10 +23,13 @@ CLASSES = [getattr(sonopack, name) for name in sonopack.__all__ if inspect.iscla
 def documents():
     """(name, docstring) of everything public."""
     yield from ((name, getattr(sonopack, name).__doc__) for name in sonopack.__all__ if callable(getattr(sonopack, name)))
+    yield from ((f"formats.{name}", member.__doc__) for name, member in vars(formats).items()
+                if not name.startswith("_") and getattr(member, "__module__", "").startswith(formats.__name__))
     for kind in CLASSES:
         if issubclass(kind, sonopack.Status):
             continue
-        for name, member in vars(kind).items():
+        for name, member in {name: member for base in kind.__mro__[::-1] if base.__module__.startswith("sonopack")
+                             for name, member in vars(base).items()}.items():
             function = getattr(member, "__func__", member)
             if not name.startswith("_") and (callable(function) or isinstance(member, (property, _core._Field))):
                 yield f"{kind.__name__}.{name}", function.__doc__

@@ -1,5 +1,4 @@
 """Errors of measured packings, designs and places of changes: the command's numbers, and what is refused."""
-import os
 
 import numpy as np
 from common import SOURCE, command, raised

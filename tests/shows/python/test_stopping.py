@@ -10,7 +10,7 @@ import threading
 import time
 
 import numpy as np
-from common import SOURCE, raised
+from common import raised
 
 import sonopack
 from sonopack import Column, Interrupted, Packing, Scene

@@ -1,8 +1,7 @@
 """Transport of energy: the command's numbers bit for bit, and balances that hold."""
-import os
 
 import numpy as np
-from common import command, raised
+from common import equal, raised, table
 
 import sonopack
 
@@ -13,27 +12,18 @@ def network():
     return sonopack.Packing.read("P.h5").network()
 
 
-def table(*words):
-    command("transport", "P.h5", *words, "-o", "table.tsv", "--force", "--quiet")
-    return sonopack.Table.read("table.tsv")
-
-
-def same(read, name, value):
-    assert np.array_equal(np.asarray(read[name], float), [value], equal_nan=True), (name, read[name], value)
-
-
 def test_command():
     net = network()
-    t, s = table("--at", "0.4", "--axis", "x"), net.diffusivity(0.4, axis=0)
+    t, s = table("transport", "P.h5", "--at", "0.4", "--axis", "x"), net.diffusivity(0.4, axis=0)
     for name, value in (("D", s.d), ("D_err", s.d_err), ("shift", s.d_shift), ("half", s.d_half)):
-        same(t, name, value if not np.isnan(s.d) else np.nan)
-    t, k = table("--at", "0.4", "--quantity", "kubo"), net.kubo(net.modes(solver="dense"), 0.4)
+        equal(t, name, value if not np.isnan(s.d) else np.nan)
+    t, k = table("transport", "P.h5", "--at", "0.4", "--quantity", "kubo"), net.kubo(net.modes(solver="dense"), 0.4)
     for name, value in (("D", k.d), ("D_err", k.d_err), ("speed", k.speed), ("speed_err", k.speed_err)):
-        same(t, name, value)
+        equal(t, name, value)
     assert k.d > 0, k
-    t, p = table("--at", "0.4", "--quantity", "split"), net.split(0.4)
-    same(t, "rotation", p.rest.rotation)
-    same(t, "pulse_along_err", p.pulse_err.along)
+    t, p = table("transport", "P.h5", "--at", "0.4", "--quantity", "split"), net.split(0.4)
+    equal(t, "rotation", p.rest.rotation)
+    equal(t, "pulse_along_err", p.pulse_err.along)
 
 
 def test_balance():

@@ -2,25 +2,23 @@
 are those of [B], units cm, g and s."""
 from __future__ import annotations
 
-import importlib
-
 from ..work import Work
-
-#: the module and function of each item
-_MAKERS = {"errata": "errata", "fig1": "trajectories", "fig2": "surfaces", "symbols": "symbols", "chaos": "chaos",
-           "claims": "theorems"}
 
 
 def make(work: Work) -> None:
     """Computes the wanted items in their order."""
-    everything = sum(float(work.items[item]["share"]) for item in work.wanted)
-    done = 0.0
-    for item in work.wanted:
-        share = float(work.items[item]["share"]) / everything
+    from . import column, figures, theorems
 
-        def tell(part: float, item: str = item, done: float = done, share: float = share) -> None:
-            work.watch.tell(item, done + share * part)
+    makers = {"errata": column.make_errata, "fig1": figures.make_fig1, "fig2": figures.make_fig2,
+              "symbols": figures.make_symbols, "chaos": theorems.make_chaos, "claims": theorems.make_claims}
+    shares = {item: float(work.items[item]["share"]) for item in work.wanted}
+    done = 0.0
+    for item, share in shares.items():
+        begun, part = done, share / sum(shares.values())
+
+        def tell(now: float, item: str = item, begun: float = begun, part: float = part) -> None:
+            work.watch.tell(item, begun + part * now)
 
         tell(0.0)
-        importlib.import_module(f"{__name__}.{_MAKERS[item]}").make(work, tell)
-        done += share
+        makers[item](work, tell)
+        done += part

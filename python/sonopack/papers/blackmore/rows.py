@@ -3,14 +3,22 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..._table import Table
-from .. import published
-from ..page import Page
-from ..work import Work
+from ..report import Page
+from ..work import Work, by_key
 
+TITLE = "Tapping dynamics for a column of particles and beyond, computed again"
+OPENING = (
+    "Figures, equations and claims of D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. "
+    "Mater. Struct. 6 (2011), [B], beside what its model gives. Units: cm, g, s. The lattice is solved exactly, "
+    "from event to event, with contacts that stick.")
+FILES = ("The rows of each item are in a file of its name: errata.tsv, fig1.tsv; the numbers behind each figure in "
+         "files whose names begin with that of the item.")
+OF_FIGURES = ""
 _COMMENTS = (
     "Blackmore et al., J. Mech. Mater. Struct. 6 (2011), beside our values; units cm, g, s",
     "paper: what is printed, or what follows from a printed equation or claim; nan: no number is given",
@@ -20,6 +28,10 @@ _COMMENTS = (
     "verdict erratum: the paper is wrong by its own premises, and ours is right; paper nan: no number is wrong",
     "verdict not given: the paper has no number; missing: there is none of ours",
     "claims in words: verdict holds, contradicted, or undecided where ours lies within its error of the limit")
+
+
+_COLUMNS = ("item", "equation", "quantity", "unit", "relation", "paper", "precision", "ours", "err", "verdict", "note")
+_NUMBERS = ("paper", "precision", "ours", "err")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -75,24 +87,17 @@ def add(work: Work, key: str, ours: float, err: float | None = None, *, paper: f
         detail: bool = False, **words: object) -> None:
     """Adds the row `key` of rows.tsv with our value. err, paper: where they are computed. words: of quantity and
     note."""
-    row = published.by_key("blackmore", "rows")[key]
+    row = by_key("blackmore", "rows")[key]
     work.rows.append(Row(
-        row["item"], row["equation"], row["quantity"].format(**words), row["unit"], row["relation"],
+        row["item"], row["equation"], row["quantity"].format(**words), row["unit"] or "-", row["relation"],
         float(row["paper"]) if paper is None else float(paper), float(row["precision"]), float(ours),
-        float(row["err"]) if err is None else float(err), row["kind"], row["note"].format(**words), detail))
+        float(row["err"]) if err is None else float(err), row["kind"], row["note"].format(**words) or "-", detail))
 
 
-def table(rows: list[Row]) -> Table:
+def table(work: Work, rows: Sequence[Row]) -> Table:
     """The rows as a table."""
-    text = {"item": [row.item for row in rows], "equation": [row.equation for row in rows],
-            "quantity": [row.quantity for row in rows], "unit": [row.unit or "-" for row in rows],
-            "relation": [row.relation for row in rows]}
-    numbers = {name: [getattr(row, name) for row in rows] for name in ("paper", "precision", "ours", "err")}
-    rest = {"verdict": [row.verdict for row in rows], "note": [row.note or "-" for row in rows]}
-    columns = [{name: np.array(cells, str) for name, cells in text.items()},
-               {name: np.array(cells, float) for name, cells in numbers.items()},
-               {name: np.array(cells, str) for name, cells in rest.items()}]
-    out = Table.from_columns({name: cells for part in columns for name, cells in part.items()})
+    out = Table.from_columns({name: np.array([getattr(row, name) for row in rows], float if name in _NUMBERS else str)
+                              for name in _COLUMNS})
     for line in _COMMENTS:
         out.add_comment(line)
     return out
@@ -113,47 +118,32 @@ def _number(x: float, error: float, before: str = "") -> str:
 
 def _cells(row: Row) -> list[str]:
     before = "" if row.relation == "=" else f"{row.relation} "
-    return [row.item, row.equation, row.quantity + (f" [{row.unit}]" if row.unit else ""),
-            _number(row.paper, row.precision, before), _number(row.ours, row.err), row.verdict, row.note]
+    return [row.item, row.equation, row.quantity + (f" [{row.unit}]" if row.unit != "-" else ""),
+            _number(row.paper, row.precision, before), _number(row.ours, row.err), row.verdict,
+            row.note if row.note != "-" else ""]
 
 
-class Report:
-    """What the report says beside the items."""
+def write_summary(work: Work, page: Page) -> None:
+    found = [row.verdict for row in work.rows]
+    claims = sum(found.count(verdict) for verdict in ("holds", "contradicted", "undecided"))
+    faults = [row for row in work.rows if row.verdict in ("deviates", "contradicted", "undecided")]
+    page.paragraph(
+        f"Of {len(found) - claims} values {found.count('agrees')} agree with the paper, {found.count('deviates')} "
+        f"deviate, {found.count('erratum')} are errata, and {found.count('not given')} are not given there; of "
+        f"{claims} claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted and "
+        f"{found.count('undecided')} are undecided.{' What deviates or does not hold:' if faults else ''}")
+    page.table(_HEAD, [(row.verdict, _cells(row)) for row in faults], True)
+    page.paragraph(
+        "Paper: what is printed, with the precision of the print, or what follows from a printed equation or "
+        "claim. Ours: with a bound of our error where it is not rounding alone. Agrees: within both. Deviates: not "
+        "so. Erratum: the paper is wrong by its own premises, and ours is right. Not given: the paper has no "
+        "number, often only a picture. Claims in words and theorems hold, are contradicted, or are undecided where "
+        "ours lies within its error of the limit; the note says what was computed.", "How to read the tables.")
 
-    TITLE = "Tapping dynamics for a column of particles and beyond, computed again"
-    OPENING = (
-        "Figures, equations and claims of D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. "
-        "Mater. Struct. 6 (2011), [B], beside what its model gives. Units: cm, g, s. The lattice is solved exactly, "
-        "from event to event, with contacts that stick.")
-    FILES = ("The rows of each item are in a file of its name: errata.tsv, fig1.tsv; the numbers behind each figure in "
-             "files whose names begin with that of the item.")
 
-    def table(self, work: Work) -> Table:
-        return table(work.rows)
+def write_tables(page: Page, rows: Sequence[Row]) -> None:
+    page.table(_HEAD[1:], [(row.verdict, _cells(row)[1:]) for row in rows if not row.detail], True)
 
-    def summary(self, work: Work, page: Page) -> None:
-        found = [row.verdict for row in work.rows]
-        claims = sum(found.count(verdict) for verdict in ("holds", "contradicted", "undecided"))
-        faults = [row for row in work.rows if row.verdict in ("deviates", "contradicted", "undecided")]
-        page.paragraph(
-            f"Of {len(found) - claims} values {found.count('agrees')} agree with the paper, {found.count('deviates')} "
-            f"deviate, {found.count('erratum')} are errata, and {found.count('not given')} are not given there; of "
-            f"{claims} claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted and "
-            f"{found.count('undecided')} are undecided.{' What deviates or does not hold:' if faults else ''}")
-        page.table(_HEAD, [(row.verdict, _cells(row)) for row in faults], True)
-        page.paragraph(
-            "Paper: what is printed, with the precision of the print, or what follows from a printed equation or "
-            "claim. Ours: with a bound of our error where it is not rounding alone. Agrees: within both. Deviates: not "
-            "so. Erratum: the paper is wrong by its own premises, and ours is right. Not given: the paper has no "
-            "number, often only a picture. Claims in words and theorems hold, are contradicted, or are undecided where "
-            "ours lies within its error of the limit; the note says what was computed.", "How to read the tables.")
 
-    def tables(self, work: Work, page: Page, item: str) -> None:
-        shown = [row for row in work.rows if row.item == item and not row.detail]
-        page.table(_HEAD[1:], [(row.verdict, _cells(row)[1:]) for row in shown], True)
-
-    def save_rows(self, work: Work, item: str) -> None:
-        work.save_table(item, table([row for row in work.rows if row.item == item]))
-
-    def run(self, work: Work) -> str:
-        return f"blackmore2011; {work.watch.seconds:.1f} seconds."
+def what_was_run(work: Work) -> str:
+    return f"blackmore2011; {work.watch.seconds:.1f} seconds."

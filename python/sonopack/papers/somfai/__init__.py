@@ -2,21 +2,21 @@
 diameters d, pressures in E*, times in d/sqrt(E*/rho)."""
 from __future__ import annotations
 
-import importlib
-
 from .samples import SomfaiWork, needs
-
-#: the module that makes each item, with make(work, item)
-_MAKERS = {
-    **{f"table{k}": "tables" for k in (1, 2, 4, 5)}, "table3": "exponents", "fig1": "networks", "fig2": "networks",
-    "fig3": "networks", "fig4": "pulses", "fig5": "pulses", "fig6": "arrivals", "fig7": "exponents", "fig8": "speeds",
-    "fig9": "eigenmodes", "fig10": "eigenmodes", "fig11": "damping", "fig12": "chains", "claims": "claims"}
 
 
 def make(work: SomfaiWork) -> None:
     """Makes the samples that the wanted items need, then the items."""
+    from . import claims, fronts, packings, speeds
+
+    makers = {
+        **dict.fromkeys(("table1", "table2", "table4", "table5"), claims.make_table), "table3": fronts.make_table3,
+        "fig1": packings.make_networks, "fig2": packings.make_directions, "fig3": packings.make_snapshot,
+        "fig4": fronts.make_signals, "fig5": fronts.make_coherent, "fig6": fronts.make_arrivals,
+        "fig7": fronts.make_scaling, "fig8": speeds.make_speeds, **dict.fromkeys(("fig9", "fig10"), packings.make_modes),
+        "fig11": packings.make_damping, "fig12": speeds.make_chains, "claims": claims.make_claims}
     work.collect()
     for made, item in enumerate(work.wanted):
         work.tell(item, work.done + (1 - work.done) * made / len(work.wanted))
         if work.folder or needs(item, drawn=False):
-            importlib.import_module(f"{__name__}.{_MAKERS[item]}").make(work, item)
+            makers[item](work, item)

@@ -1,23 +1,101 @@
-"""Claims in words: on packings at rest, on fronts, on lattices, on soft modes, on damping, and on the chain."""
+"""Tables I, II, IV and V; and claims in words: on packings at rest, on fronts, on lattices, on soft modes, on damping, and on
+the chain."""
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..._signal import front
-from ..work import hypot, total
-from .damping import LEVELS, damped
+from ..work import Published, hypot, number, published, total
 from .fronts import MARKS, Distance, boxes, line, rms_after
+from .packings import LEVELS, damped
+from .rows import Row, Sum, counted, mean_of
 from .samples import PRESSURES, SomfaiWork, member
 from .speeds import NAMES, lattice_long, lattice_small, lattice_speed
-from .verdict import Sum
+
+FAR_OFF = 8  # standard deviations, from the median deviation: a probability of 1e-15 for a normal distribution
+
+
+def make_table(work: SomfaiWork, item: str) -> None:
+    for row in published("somfai", "tables"):
+        if row["item"] == item:
+            _add_mean(work, row)
+    _say_agreement(work, item)
+    if item == "table4":
+        _say_box(work, item)
+
+
+def _add_mean(work: SomfaiWork, row: Published) -> None:
+    p, sd, of = float(row["p"]), number(row["sd"]), member(row["ours"])
+    parts = " ".join(dict.fromkeys(word.split(".")[0] for word in row["ours"].split(" / ")))
+    values = [of(sample) for sample in work.some("square", p, parts=f"statics {parts}")]
+    mean = mean_of(values)
+    work.add(Row(row["item"], row["quantity"], p=p, paper=float(row["paper"]), paper_sd=sd, digit=float(row["digit"]),
+                 scatter="ours" if math.isnan(sd) else "paper", samples=mean.n, ours=mean.mean, ours_sd=mean.sd,
+                 err=mean.err))
+    _say_far_off(work, row["item"], f"{row['quantity']} at p = {p:g}", values)
+
+
+def _say_agreement(work: SomfaiWork, item: str) -> None:
+    rows = [row for row in work.rows if row.item == item]
+    known = [row for row in rows if math.isfinite(row.sigma)]
+    agree = sum(row.verdict == "agrees" for row in rows)
+    gaps = ", and some have no value or no known scatter" if len(known) < len(rows) else ""
+    work.say(item, f"{agree} of {len(rows)} means lie within one standard deviation of the paper{gaps}.")
+    c = counted(work.rows, item)
+    if c.judged:
+        work.say(item, f"By the standard errors of both means {c.within1} of {c.judged} lie within one, {c.beyond2} "
+                       f"beyond two and {c.beyond3} beyond three; chi^2 = {c.chi2:.0f}.")
+    if known:
+        worst = max(known, key=lambda row: abs(row.sigma))
+        work.say(item, f"The largest deviation is that of {worst.quantity} at p = {worst.p:g}: {worst.ours:.4g} here, "
+                       f"{worst.paper:.4g} in the paper, {abs(worst.sigma):.2f} standard deviations apart.")
+
+
+def _say_far_off(work: SomfaiWork, item: str, what: str, values: Sequence[float]) -> None:
+    """Names samples that dominate a mean. A soft spot in a single packing can do so for the body forces."""
+    if len(values) < 5:
+        return
+    x = np.array(values)
+    middle = float(np.median(x))
+    off = np.abs(x - middle)
+    far = off > FAR_OFF * 1.4826 * np.median(off)
+    if far.any():
+        work.say(item, f"{what}: {far.sum()} of {len(x)} samples lie more than 8 standard deviations of the others "
+                       f"away, the farthest at {x[np.argmax(off)]:.3g}; the median is {middle:.4g}.")
+
+
+def _say_box(work: SomfaiWork, item: str) -> None:
+    """The body force on a grain is its volume divided by Phi3*. If Phi3* is that of the whole box, the forces add up to
+    the force on the continuum. The ratios are proportional to its square."""
+    rows = [row for row in work.rows if row.item == item]
+    factors = {p: _box_ratio(work, p) for p in PRESSURES}
+    before = sum(row.verdict == "agrees" for row in rows)
+    agree = sum(abs(row.ours * factors[row.p] - row.paper) <= row.paper_sd for row in rows)
+    work.say(item, "The body force on a grain goes as 1/Phi3*. Here that is the bulk's, as everywhere; with that of "
+                   "the whole box, loose layers at the walls included, all ratios would be "
+                   f"{min(factors.values()):.3f} to {max(factors.values()):.3f} times as large, and {agree} of "
+                   f"{len(rows)} instead of {before} would agree.")
+
+
+def _box_ratio(work: SomfaiWork, pressure: float) -> float:
+    squares = []
+    for sample, packing, network in work.walk("square", pressure):
+        if sample.statics is not None:
+            volume = float(np.sum(4 / 3 * np.pi * packing.r[network.grain] ** 3))
+            squares.append((volume / (packing.box[0] * packing.box[1] * sample.statics.phi3s)) ** 2)
+    return sum(squares) / len(squares) if squares else math.nan
+
+
+# ---- claims ---------------------------------------------------------------------------------------------------------
 
 PACKINGS = 10  # the first of an ensemble
 SOFT = 0.1     # low modes have frequencies below this; the highest are near 2 at p = 1e-4
 
 
-def make(work: SomfaiWork, item: str) -> None:
+def make_claims(work: SomfaiWork, item: str) -> None:
     parts = (_margins, _forces, _large_scale, _marks, _lattices, _unequal, _four, _soft_modes, _damping, _energy)
     for part in parts:
         part(work)
@@ -77,10 +155,6 @@ def _forces(work: SomfaiWork) -> None:
 
 # ---- fronts ---------------------------------------------------------------------------------------------------------
 
-def _ratio_err(ratio: float, a: float, a_err: float, b: float, b_err: float) -> float:
-    return abs(ratio) * hypot(a_err / a, b_err / b)
-
-
 def _speed_between(low: Distance, high: Distance) -> tuple[float, float]:
     """Speed between two heights from t10, and its error."""
     time = high.t10.mean - low.t10.mean
@@ -96,7 +170,7 @@ def _large_scale(work: SomfaiWork) -> None:
         near, near_err = _speed_between(found[by_grains[200]], found[by_grains[600]])
         far, far_err = _speed_between(*found[-2:])
         ours = near / far
-        error = _ratio_err(ours, near, near_err, far, far_err)
+        error = abs(ours) * hypot(near_err / near, far_err / far)
     work.claim("large-scale", ours, error)
 
 

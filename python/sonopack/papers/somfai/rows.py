@@ -1,17 +1,211 @@
-"""The table of the rows, and what the report says beside the items."""
+"""Our values beside those of the paper: verdicts, counts, systematic differences; their table, and what the report says."""
 from __future__ import annotations
 
+import dataclasses
+import itertools
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from ..._table import Table
-from ..page import Page
-from .samples import SomfaiWork
-from .verdict import Counts, Family, Row, counted, families
+from ..report import Page
+from ..work import hypot, total
 
+if TYPE_CHECKING:
+    from .samples import SomfaiWork
+
+SAMPLES = 30  # of each mean in the paper
+DECIDED = 2  # standard errors from its limit, at which a claim is decided
+
+
+@dataclasses.dataclass(frozen=True)
+class Row:
+    """A value of the paper and ours; NAN where there is none.
+
+    scatter: the unit of sigma. "paper": its standard deviation; "ours": that of our samples; "stated": the precision of
+    the words and our error together; "bound": the same of a lower bound, and 0 above it; "claim": a claim in words,
+    which holds or does not. paper_sd: standard deviation, precision of the words, or tolerance of a claim. digit: unit
+    of the last printed digit; 0: not rounded. samples: 0 if it is no average. sigma, combined, deviation_err and
+    verdict are those of judged()."""
+
+    item: str
+    quantity: str
+    p: float = math.nan
+    paper: float = math.nan
+    paper_sd: float = math.nan
+    scatter: str = "paper"
+    ours: float = math.nan
+    ours_sd: float = math.nan
+    err: float = math.nan
+    samples: int = 0
+    digit: float = 0.0
+    relation: str = "="
+    where: str = ""
+    note: str = ""
+    sigma: float = math.nan
+    combined: float = math.nan
+    deviation_err: float = math.nan
+    verdict: str = ""
+
+    @property
+    def is_claim(self) -> bool:
+        return self.scatter == "claim"
+
+    @property
+    def is_mean(self) -> bool:
+        return self.scatter in ("paper", "ours")
+
+    @property
+    def rounding(self) -> float:
+        """Standard deviation of what rounding took away: uniform within half of the last digit."""
+        return self.digit / math.sqrt(12)
+
+
+def judged(row: Row) -> Row:
+    """The row with its differences and its verdict."""
+    if row.is_claim:
+        return dataclasses.replace(row, verdict=_of_claim(row))
+    known = row.err if math.isfinite(row.err) else 0.0
+    scatter = {"paper": row.paper_sd, "ours": row.ours_sd}.get(row.scatter, hypot(row.paper_sd, known))
+    theirs = {"paper": row.paper_sd / math.sqrt(SAMPLES), "ours": row.ours_sd / math.sqrt(SAMPLES)}.get(row.scatter,
+                                                                                                     row.paper_sd)
+    difference = row.ours - row.paper
+    if row.scatter == "bound" and difference > 0:
+        difference = 0.0
+    with np.errstate(divide="ignore", invalid="ignore"):
+        errors = hypot(theirs, row.err) if math.isfinite(row.err) else math.nan
+        sigma, combined, with_print = map(float, np.divide(difference, (scatter, errors, hypot(errors, row.rounding))))
+    verdict = "missing" if not math.isfinite(sigma) else "agrees" if abs(sigma) <= 1 else "deviates"
+    return dataclasses.replace(row, sigma=sigma, combined=combined, deviation_err=with_print, verdict=verdict)
+
+
+def _of_claim(row: Row) -> str:
+    """By the distance of ours from the limit, which is positive if the claim holds."""
+    off = row.ours - row.paper
+    inside = {">": off, "<": -off, "=": row.paper_sd - abs(off)}[row.relation]
+    if not math.isfinite(inside) or not math.isfinite(row.err):
+        return "missing"
+    if abs(inside) < DECIDED * row.err:
+        return "undecided"
+    return "holds" if inside >= 0 else "contradicted"
+
+
+class Mean(NamedTuple):
+    """Mean, standard deviation and standard error of values."""
+
+    n: int
+    mean: float
+    sd: float
+    err: float
+
+
+def mean_of(values: Iterable[float]) -> Mean:
+    """Of values, without those that are not finite."""
+    known = [float(value) for value in values if math.isfinite(value)]
+    n = len(known)
+    mean = total(known) / n if n else math.nan
+    sd = math.sqrt(total((x - mean) * (x - mean) for x in known) / (n - 1)) if n > 1 else math.nan
+    return Mean(n, mean, sd, sd / math.sqrt(n) if n > 1 else math.nan)
+
+
+class Sum:
+    """Running sums of finite values, for means and standard errors."""
+
+    def __init__(self, values: Iterable[float] = ()) -> None:
+        self.n, self.sum, self.squares = 0, 0.0, 0.0
+        for value in values:
+            self.add(value)
+
+    def add(self, x: float) -> None:
+        if math.isfinite(x):
+            self.n, self.sum, self.squares = self.n + 1, self.sum + float(x), self.squares + float(x) * float(x)
+
+    @property
+    def mean(self) -> float:
+        return self.sum / self.n if self.n else math.nan
+
+    @property
+    def err(self) -> float:
+        n = self.n
+        return math.sqrt(max(0.0, self.squares / n - self.sum / n * (self.sum / n)) / (n - 1)) if n > 1 else math.nan
+
+
+# ---- counts ---------------------------------------------------------------------------------------------------------
+
+@dataclasses.dataclass(frozen=True)
+class Counts:
+    """Verdicts on values. judged: those with a deviation_err; within1, beyond2, beyond3: in those errors. chi2,
+    chi2_bare: sums of squares with and without the rounding of print; NAN for stated numbers, whose precision is no
+    deviation."""
+
+    values: int
+    agree: int
+    missing: int
+    judged: int
+    within1: int
+    beyond2: int
+    beyond3: int
+    chi2: float
+    chi2_bare: float
+
+
+def counted(rows: Iterable[Row], item: str = "", means: bool = True) -> Counts:
+    """Counts over the values of an item, or of all: means that the paper prints, or numbers that it states."""
+    some = [row for row in rows if item in ("", row.item) and not row.is_claim and row.is_mean == means]
+    sigmas = [abs(row.sigma) for row in some if math.isfinite(row.sigma)]
+    pairs = [(abs(row.deviation_err), row.combined) for row in some if math.isfinite(row.deviation_err)]
+    off = [pair[0] for pair in pairs]
+    return Counts(len(sigmas), sum(x <= 1 for x in sigmas), len(some) - len(sigmas), len(off), sum(x <= 1 for x in off),
+                  sum(x > 2 for x in off), sum(x > 3 for x in off), total(x * x for x in off) if means else math.nan,
+                  total(bare * bare for _, bare in pairs) if means else math.nan)
+
+
+@dataclasses.dataclass(frozen=True)
+class Family:
+    """One quantity at all its pressures. side: +1, ours are above; -1, below; 0, both. together: sum of deviation_err
+    over the root of their number. least: the smallest deviation_err. low, high: range of ours/paper - 1."""
+
+    item: str
+    quantity: str
+    values: int
+    side: int
+    together: float
+    least: float
+    low: float
+    high: float
+
+    @property
+    def is_systematic(self) -> bool:
+        """Chance hardly explains three or more values on one side, together beyond three errors, or all beyond two."""
+        return self.values >= 3 and (abs(self.together) > 3 if self.side else self.least > 2)
+
+
+def families(rows: Sequence[Row]) -> list[Family]:
+    """The families of rows that follow each other."""
+    out = []
+    for (item, quantity), group in itertools.groupby(rows, lambda row: (row.item, row.quantity)):
+        some = [row for row in group if not row.is_claim and math.isfinite(row.deviation_err)]
+        off = [row.deviation_err for row in some]
+        ratios = [row.ours / row.paper - 1 for row in some]
+        side = 1 if all(x > 0 for x in off) else -1 if all(x < 0 for x in off) else 0
+        out.append(Family(item, quantity, len(off), side, total(off) / math.sqrt(len(off)) if off else math.nan,
+                          min(map(abs, off), default=math.inf), min(ratios, default=math.inf),
+                          max(ratios, default=-math.inf)))
+    return out
+
+
+# ---- the table ------------------------------------------------------------------------------------------------------
+
+TITLE = "Elastic wave propagation in confined granular systems, computed again"
+OPENING = (
+    "Tables and figures of E. Somfai, J.-N. Roux, J. H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, "
+    "021301 (2005), beside values and figures of new packings. Units: lengths in mean grain diameters d, pressures "
+    "in E*, speeds in sqrt(E*/rho), times in d/sqrt(E*/rho).")
+FILES = ("The numbers behind each figure and table are beside it in a file of the same name: fig6.tsv, table1.tsv; "
+         "values of figures that the paper states in fig6-values.tsv and so on.")
+OF_FIGURES = "-values"
 _COMMENTS = (
     "values of Somfai et al., Phys. Rev. E 72, 021301 (2005), beside ours; units: d, E*, sqrt(E* / rho)",
     "err: standard error of our mean; ours_sd: one standard deviation of our samples",
@@ -28,18 +222,20 @@ _COLUMNS = {"item": str, "p": float, "quantity": str, "paper": float, "paper_sd"
             "deviation_err": float, "rounding": float, "relation": str, "where": str, "note": str}
 
 
-def rows_table(work: SomfaiWork, rows: Sequence[Row]) -> Table:
-    """Rows as a table."""
+def table(work: SomfaiWork, rows: Sequence[Row]) -> Table:
+    """Rows as a table; all of them with their counts, claims and families as comments, one a line."""
     cells: dict[str, list[Any]] = {name: [getattr(row, name) for row in rows] for name in _COLUMNS}
     cells["relation"] = [">" if row.scatter == "bound" else row.relation for row in rows]
     # the place is that of the title of the item: "Table I" of "Table I. Statics", "Fig. 6" of "Fig. 6. Arrival times"
     places = {item: " ".join(row["title"].split()[:2]).rstrip(".") for item, row in work.items.items()}
     cells["where"] = [row.where or places[row.item] for row in rows]
     cells["note"] = [row.note or "-" for row in rows]
-    table = Table.from_columns({name: np.array(cells[name], kind) for name, kind in _COLUMNS.items()}, {"p": "E*"})
+    made = Table.from_columns({name: np.array(cells[name], kind) for name, kind in _COLUMNS.items()}, {"p": "E*"})
     for line in _COMMENTS:
-        table.add_comment(line)
-    return table
+        made.add_comment(line)
+    if rows is work.rows:
+        _add_counts(made, work)
+    return made
 
 
 def _side(family: Family, both: str) -> str:
@@ -50,25 +246,26 @@ def _claims(rows: Sequence[Row]) -> list[str]:
     return [row.verdict for row in rows if row.is_claim]
 
 
-def add_counts(table: Table, items: Sequence[str], rows: Sequence[Row]) -> None:
-    """Adds counts, claims and families as comments, one a line."""
-    counts = [(item, counted(rows, item)) for item in items]
-    for name, c in [*counts, ("tables", counted(rows)), ("stated", counted(rows, means=False))]:
-        if c.values + c.missing:
-            table.add_comment(
-                f"count: {name} values {c.values} agree {c.agree} missing {c.missing} judged {c.judged} within1 "
-                f"{c.within1} beyond2 {c.beyond2} beyond3 {c.beyond3} chi2 {c.chi2:.1f} chi2_without_rounding "
-                f"{c.chi2_bare:.1f}")
-    found = _claims(rows)
+def _counts(work: SomfaiWork, means: str, stated: str) -> list[tuple[str, Counts]]:
+    """Counts of the items, of all means, and of what is stated in words, as far as there are values."""
+    found = [(item, counted(work.rows, item)) for item in work.items]
+    found += [(means, counted(work.rows)), (stated, counted(work.rows, means=False))]
+    return [(name, c) for name, c in found if c.values + c.missing]
+
+
+def _add_counts(made: Table, work: SomfaiWork) -> None:
+    for name, c in _counts(work, "tables", "stated"):
+        made.add_comment(f"count: {name} values {c.values} agree {c.agree} missing {c.missing} judged {c.judged} within1 "
+                         f"{c.within1} beyond2 {c.beyond2} beyond3 {c.beyond3} chi2 {c.chi2:.1f} chi2_without_rounding "
+                         f"{c.chi2_bare:.1f}")
+    found = _claims(work.rows)
     if found:
-        table.add_comment(f"claims: {len(found)} hold {found.count('holds')} contradicted "
-                          f"{found.count('contradicted')} undecided {found.count('undecided')} missing "
-                          f"{found.count('missing')}")
-    for f in families(rows):
+        made.add_comment(f"claims: {len(found)} hold {found.count('holds')} contradicted {found.count('contradicted')} "
+                         f"undecided {found.count('undecided')} missing {found.count('missing')}")
+    for f in families(work.rows):
         if f.is_systematic:
-            table.add_comment(f"systematic: {f.item} {f.quantity}, {_side(f, 'off on both sides')} at all {f.values} "
-                              f"pressures, {100 * f.low:+.1f}% to {100 * f.high:+.1f}%, together {f.together:+.1f} "
-                              "errors")
+            made.add_comment(f"systematic: {f.item} {f.quantity}, {_side(f, 'off on both sides')} at all {f.values} "
+                             f"pressures, {100 * f.low:+.1f}% to {100 * f.high:+.1f}%, together {f.together:+.1f} errors")
 
 
 # ---- cells of the report --------------------------------------------------------------------------------------------
@@ -130,84 +327,62 @@ _HOW = (
     "undecided.")
 
 
-class Report:
-    """What the report says beside the items."""
+def write_summary(work: SomfaiWork, page: Page) -> None:
+    _lead(work.rows, page)
+    if work.rows:
+        page.table(_COUNTS, [("", _count_cells(*each)) for each in _counts(work, "all means", "stated in words")])
+    _systematic(work.rows, page)
+    page.table(_VALUES, [(row.verdict, _value_cells(row)) for row in work.rows
+                         if not row.is_claim and row.verdict != "agrees"])
+    page.table(_CLAIMS, [(row.verdict, _claim_cells(row)) for row in work.rows
+                         if row.is_claim and row.verdict != "holds"], True)
+    page.paragraph(_HOW, "How to read the tables.")
 
-    TITLE = "Elastic wave propagation in confined granular systems, computed again"
-    OPENING = (
-        "Tables and figures of E. Somfai, J.-N. Roux, J. H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, "
-        "021301 (2005), beside values and figures of new packings. Units: lengths in mean grain diameters d, pressures "
-        "in E*, speeds in sqrt(E*/rho), times in d/sqrt(E*/rho).")
-    FILES = ("The numbers behind each figure and table are beside it in a file of the same name: fig6.tsv, table1.tsv; "
-             "values of figures that the paper states in fig6-values.tsv and so on.")
 
-    def table(self, work: SomfaiWork) -> Table:
-        table = rows_table(work, work.rows)
-        add_counts(table, list(work.items), work.rows)
-        return table
+def _lead(rows: Sequence[Row], page: Page) -> None:
+    means, stated, found = counted(rows), counted(rows, means=False), _claims(rows)
+    values = len(rows) - len(found)
+    if not rows:
+        page.paragraph("Only figures were asked for, which have no values to compare.")
+    if values:
+        page.paragraph(
+            f"Of {values} values of the paper {means.agree + stated.agree} agree within one standard deviation, "
+            f"{means.values - means.agree + stated.values - stated.agree} deviate, and "
+            f"{means.missing + stated.missing} could not be compared.", "By the scatter of one sample.")
+    if means.judged:
+        page.paragraph(
+            f"Of {means.judged} means that the paper prints {means.within1} lie within one combined standard "
+            f"error, {means.beyond2} beyond two and {means.beyond3} beyond three; chi^2 = {means.chi2:.0f} "
+            f"({means.chi2_bare:.0f} without the rounding of print). This is the sharper measure, and shows "
+            "differences that the scatter of one sample hides.", "By the standard errors of both means.")
+    if found:
+        page.paragraph(
+            f"Of {len(found)} claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted, "
+            f"{found.count('undecided')} are undecided, and {found.count('missing')} could not be examined.",
+            "Claims in words.")
 
-    def summary(self, work: SomfaiWork, page: Page) -> None:
-        self._lead(work.rows, page)
-        if work.rows:
-            counts = [(item, counted(work.rows, item)) for item in work.items]
-            counts += [("all means", counted(work.rows)), ("stated in words", counted(work.rows, means=False))]
-            page.table(_COUNTS, [("", _count_cells(*each)) for each in counts if each[1].values + each[1].missing])
-        self._systematic(work.rows, page)
-        page.table(_VALUES, [(row.verdict, _value_cells(row)) for row in work.rows
-                             if not row.is_claim and row.verdict != "agrees"])
-        page.table(_CLAIMS, [(row.verdict, _claim_cells(row)) for row in work.rows
-                             if row.is_claim and row.verdict != "holds"], True)
-        page.paragraph(_HOW, "How to read the tables.")
 
-    @staticmethod
-    def _lead(rows: Sequence[Row], page: Page) -> None:
-        means, stated, found = counted(rows), counted(rows, means=False), _claims(rows)
-        values = len(rows) - len(found)
-        if not rows:
-            page.paragraph("Only figures were asked for, which have no values to compare.")
-        if values:
-            page.paragraph(
-                f"Of {values} values of the paper {means.agree + stated.agree} agree within one standard deviation, "
-                f"{means.values - means.agree + stated.values - stated.agree} deviate, and "
-                f"{means.missing + stated.missing} could not be compared.", "By the scatter of one sample.")
-        if means.judged:
-            page.paragraph(
-                f"Of {means.judged} means that the paper prints {means.within1} lie within one combined standard "
-                f"error, {means.beyond2} beyond two and {means.beyond3} beyond three; chi^2 = {means.chi2:.0f} "
-                f"({means.chi2_bare:.0f} without the rounding of print). This is the sharper measure, and shows "
-                "differences that the scatter of one sample hides.", "By the standard errors of both means.")
-        if found:
-            page.paragraph(
-                f"Of {len(found)} claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted, "
-                f"{found.count('undecided')} are undecided, and {found.count('missing')} could not be examined.",
-                "Claims in words.")
+def _systematic(rows: Sequence[Row], page: Page) -> None:
+    """Caveats: the error of the paper's mean is unknown if few packings dominate it, and the values of one table
+    come from the same packings."""
+    known = [family for family in families(rows) if family.values >= 3]
+    found = [family for family in known if family.is_systematic]
+    if found:
+        page.paragraph("Quantities that lie on one side of the paper at all pressures, and together beyond three "
+                       "errors; or off at all pressures, none within two errors:", "Systematic deviations.")
+    elif known:
+        page.paragraph("None.", "Systematic deviations.")
+    for f in found:
+        page.paragraph(f"{f.item}, {f.quantity}: {_side(f, 'off, on both sides,')} at all {f.values} pressures, by "
+                       f"{100 * f.low:+.1f}% to {100 * f.high:+.1f}%; {f.together:+.1f} errors together.")
 
-    @staticmethod
-    def _systematic(rows: Sequence[Row], page: Page) -> None:
-        """Caveats: the error of the paper's mean is unknown if few packings dominate it, and the values of one table
-        come from the same packings."""
-        known = [family for family in families(rows) if family.values >= 3]
-        found = [family for family in known if family.is_systematic]
-        if found:
-            page.paragraph("Quantities that lie on one side of the paper at all pressures, and together beyond three "
-                           "errors; or off at all pressures, none within two errors:", "Systematic deviations.")
-        elif known:
-            page.paragraph("None.", "Systematic deviations.")
-        for f in found:
-            page.paragraph(f"{f.item}, {f.quantity}: {_side(f, 'off, on both sides,')} at all {f.values} pressures, by "
-                           f"{100 * f.low:+.1f}% to {100 * f.high:+.1f}%; {f.together:+.1f} errors together.")
 
-    def tables(self, work: SomfaiWork, page: Page, item: str) -> None:
-        own = [row for row in work.rows if row.item == item]
-        page.table(_VALUES[1:], [(row.verdict, _value_cells(row)[1:]) for row in own if not row.is_claim])
-        page.table(_CLAIMS, [(row.verdict, _claim_cells(row)) for row in own if row.is_claim], True)
+def write_tables(page: Page, rows: Sequence[Row]) -> None:
+    page.table(_VALUES[1:], [(row.verdict, _value_cells(row)[1:]) for row in rows if not row.is_claim])
+    page.table(_CLAIMS, [(row.verdict, _claim_cells(row)) for row in rows if row.is_claim], True)
 
-    def save_rows(self, work: SomfaiWork, item: str) -> None:
-        own = [row for row in work.rows if row.item == item]
-        if own:
-            work.save_table(item + ("-values" if item.startswith("fig") else ""), rows_table(work, own))
 
-    def run(self, work: SomfaiWork) -> str:
-        return (f"somfai2005 with {work.samples} samples a pressure (2400 grains: half as many; spheres: a quarter), "
-                f"protocol {work.protocol}; {work.computed} samples made in this run, {work.failed} that failed or "
-                f"lack a part; {work.watch.seconds:.0f} seconds.")
+def what_was_run(work: SomfaiWork) -> str:
+    return (f"somfai2005 with {work.samples} samples a pressure (2400 grains: half as many; spheres: a quarter), "
+            f"protocol {work.protocol}; {work.computed} samples made in this run, {work.failed} that failed or "
+            f"lack a part; {work.watch.seconds:.0f} seconds.")

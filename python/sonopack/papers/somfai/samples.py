@@ -3,22 +3,18 @@ from __future__ import annotations
 
 import argparse
 import functools
-import itertools
 import math
 import os
 from collections.abc import Callable, Iterator
 
 from ..._command import Failed
-from ..._core import text_of
-from ..._native import ffi, lib
 from ..._network import Network
 from ..._packing import Packing
 from ..._records import StudyProgress
 from ..._scene import Scene
 from ..._study import Sample, Store, study
-from .. import published
-from ..work import Watch, Work
-from .verdict import Row, judged
+from ..work import Work, by_key, number
+from .rows import Row, judged
 
 #: of the paper, ascending
 PRESSURES = (1e-7, 1e-6, 1e-5, 1e-4)
@@ -28,7 +24,7 @@ SAMPLES = 30  # at each pressure in the paper
 def needs(item: str, drawn: bool) -> dict[str, set[str]]:
     """The ensembles that an item needs, and results of their samples. drawn: with its figures."""
     out: dict[str, set[str]] = {}
-    for need in published.by_key("somfai", "items", "name")[item]["needs"].split():
+    for need in by_key("somfai", "items", "name")[item]["needs"].split():
         if drawn or not need.startswith("("):
             ensemble, _, wants = need.strip("()").partition(":")
             out.setdefault(ensemble, set()).update(wants.split("+"))
@@ -37,7 +33,7 @@ def needs(item: str, drawn: bool) -> dict[str, set[str]]:
 
 def count(ensemble: str, samples: int) -> int:
     """Samples of an ensemble if the paper's own ensembles have `samples`."""
-    row = published.by_key("somfai", "ensembles")[ensemble]
+    row = by_key("somfai", "ensembles")[ensemble]
     if not row["share"]:
         return 1
     most, least = math.ceil(float(row["share"]) * samples), int(row["least"])
@@ -46,22 +42,11 @@ def count(ensemble: str, samples: int) -> int:
 
 def scene(ensemble: str, samples: int, protocol: str, want: set[str]) -> Scene:
     """The scene of an ensemble. protocol: of packings under a piston. want: results, as in study.want."""
-    row = published.by_key("somfai", "ensembles")[ensemble]
+    row = by_key("somfai", "ensembles")[ensemble]
     keys = {"study.samples": count(ensemble, samples), "study.want": sorted(want)}
     if row["piston"]:
         keys["packing.protocol"] = protocol
     return Scene.parse(row["scene"], keys, row["name"])
-
-
-def names_of(study_scene: Scene) -> Iterator[str]:
-    """Names of all samples of a study: for each combination, those of its seeds."""
-    one, name = ffi.new("sp_scene *"), ffi.new("char[]", lib.SP_NAME_MAX)
-    seeds = int(study_scene._c.samples)
-    combinations = study_scene.samples // seeds
-    for combination, seed in itertools.product(range(combinations), range(seeds)):
-        lib.sp_study_scene(study_scene._c, combination + seed * combinations, one, ffi.NULL)
-        lib.sp_sample_name(one, name)
-        yield text_of(name)
 
 
 class SomfaiWork(Work):
@@ -69,13 +54,10 @@ class SomfaiWork(Work):
 
     rows: list[Row]
 
-    def __init__(self, arguments: argparse.Namespace, wanted: set[str], watch: Watch, folder: str,
-                 figures: str) -> None:
-        self.samples = arguments.samples or SAMPLES
-        self.protocol = arguments.protocol or "default"
-        self.jobs, self.threads = arguments.jobs or arguments.threads, arguments.threads
-        self.folder_of_store = arguments.store
-        super().__init__("somfai", f"reproduce somfai2005, samples = {self.samples}", wanted, watch, folder, figures)
+    def __init__(self, arguments: argparse.Namespace, wanted: set[str]) -> None:
+        self.samples, self.protocol = arguments.samples or SAMPLES, arguments.protocol or "default"
+        self.jobs, self.folder_of_store = arguments.jobs or arguments.threads, arguments.store
+        super().__init__("somfai", f"reproduce somfai2005, samples = {self.samples}", wanted, arguments)
         self.sets: dict[str, list[Sample]] = {}
         self.computed = self.failed = 0
         self.done = 0.0  # share of the work: the samples
@@ -88,50 +70,38 @@ class SomfaiWork(Work):
         for item in self.wanted:
             for ensemble, want in needs(item, bool(self.folder)).items():
                 out.setdefault(ensemble, set()).update(want)
-        return {ensemble: out[ensemble] for ensemble in published.by_key("somfai", "ensembles") if ensemble in out}
-
-    def scene(self, ensemble: str) -> Scene:
-        return scene(ensemble, self.samples, self.protocol, self.ensembles()[ensemble])
+        return {ensemble: out[ensemble] for ensemble in by_key("somfai", "ensembles") if ensemble in out}
 
     def _cost(self, ensemble: str) -> float:
-        row = published.by_key("somfai", "ensembles")[ensemble]
+        row = by_key("somfai", "ensembles")[ensemble]
         slower = 5 if row["piston"] and self.protocol != "quick" else 1  # measured
         return slower * float(row["cost"]) * count(ensemble, self.samples)
 
     def collect(self) -> None:
         """Makes the samples that the store lacks, and reads them."""
         store = Store(self.folder_of_store, create=True)
-        scenes = {ensemble: self.scene(ensemble) for ensemble in self.ensembles()}
+        scenes = {ensemble: scene(ensemble, self.samples, self.protocol, want)
+                  for ensemble, want in self.ensembles().items()}
         everything, done = 1 + sum(map(self._cost, scenes)), 0.0  # 1: what is done with the samples
         for ensemble, own in scenes.items():
-            self._make(store, own, published.by_key("somfai", "ensembles")[ensemble]["name"], done / everything,
+            self._make(store, own, by_key("somfai", "ensembles")[ensemble]["name"], done / everything,
                        self._cost(ensemble) / everything)
             done += self._cost(ensemble)
         self.done = done / everything
-        found = {sample.name: sample for sample in store.samples()}
         for ensemble, own in scenes.items():
-            self.sets[ensemble] = [found[name] for name in names_of(own) if name in found and self._is_there(name)]
-
-    def _is_there(self, name: str) -> bool:
-        """Whether the packing of a sample could be made."""
-        return os.path.exists(os.path.join(self.folder_of_store, f"{name}.h5"))
+            self.sets[ensemble] = [sample for sample in store.samples(own)
+                                   if os.path.exists(os.path.join(self.folder_of_store, f"{sample.name}.h5"))]
 
     def _make(self, store: Store, own: Scene, name: str, begin: float, share: float) -> None:
-        last = []
+        computed, failed = self.computed, self.failed
 
-        def watch(now: StudyProgress) -> bool:
-            last[:] = [now]
-            part = now.done / now.total if now.total > 0 else 1.0
-            more = f", {self.computed + now.computed} samples computed"
-            failed = self.failed + now.failed
-            return self.watch.goes_on(name, begin + share * part, more + (f", {failed} failed" if failed else ""))
+        def watch(now: StudyProgress) -> None:
+            self.computed, self.failed = computed + now.computed, failed + now.failed
+            self.tell(name, begin + share * (now.done / now.total if now.total > 0 else 1.0))
 
         study(own, store, jobs=self.jobs, threads=self.threads, progress=watch)
-        for now in last:
-            self.computed, self.failed = self.computed + now.computed, self.failed + now.failed
 
     def tell(self, what: str, fraction: float) -> None:
-        """Progress during the work on the samples."""
         more = f", {self.computed} samples computed" + (f", {self.failed} failed" if self.failed else "")
         self.watch.tell(what, fraction, more)
 
@@ -148,7 +118,7 @@ class SomfaiWork(Work):
         """Samples with their packings and networks, at most `most`. Failed if there is none."""
         found = self.some(ensemble, pressure, grains)[:most]
         if not found:
-            name = published.by_key("somfai", "ensembles")[ensemble]["name"]
+            name = by_key("somfai", "ensembles")[ensemble]["name"]
             raise Failed(f"{name} at p = {pressure:g}: no packing could be made")
         for sample in found:
             packing = sample.packing()
@@ -163,18 +133,17 @@ class SomfaiWork(Work):
     def state(self, key: str, ours: float, err: float, value: float | None = None,
               precision: float | None = None) -> Row:
         """Adds the row `key` of stated.tsv with our value and its standard error. value, precision: if computed."""
-        row = published.by_key("somfai", "stated")[key]
-        return self.add(Row(row["item"], row["quantity"], p=published.number(row["p"]), scatter=row["scatter"],
-                            ours=ours,
-                            paper=float(row["value"]) if value is None else value, err=err,
+        row = by_key("somfai", "stated")[key]
+        return self.add(Row(row["item"], row["quantity"], p=number(row["p"]), scatter=row["scatter"], ours=ours, err=err,
+                            paper=float(row["value"]) if value is None else value,
                             paper_sd=float(row["precision"]) if precision is None else precision))
 
     def claim(self, key: str, ours: float, err: float, samples: int = 0, p: float | None = None,
               **words: object) -> Row:
         """Adds the row `key` of claims.tsv. words: of its quantity; `within`, if it depends on the quantity."""
-        row = published.by_key("somfai", "claims")[key]
-        within = float(str(words["within"])) if "within" in words else published.number(row["within"])
-        return self.add(Row("claims", row["quantity"].format(**words), p=published.number(row["p"]) if p is None else p,
+        row = by_key("somfai", "claims")[key]
+        within = float(str(words["within"])) if "within" in words else number(row["within"])
+        return self.add(Row("claims", row["quantity"].format(**words), p=number(row["p"]) if p is None else p,
                             paper=float(row["limit"]), paper_sd=within, scatter="claim", relation=row["relation"],
                             ours=ours, err=err, samples=samples, where=row["where"], note=row["note"]))
 

@@ -1,4 +1,5 @@
-"""Fig. 8: speeds against pressure, of packings and of triangular lattices."""
+"""Fig. 8: speeds against pressure, of packings and of triangular lattices; Fig. 12: fronts of chains and of the triangular
+lattice, with the Airy front."""
 from __future__ import annotations
 
 import dataclasses
@@ -6,13 +7,15 @@ import math
 
 import numpy as np
 
+from ..._chain import chain_airy, chain_front, chain_signal
 from ..._core import Floats, call
 from ..._native import ffi, lib
+from ..._packing import TOP
 from ..._study import Store
 from ..sheet import Curve, Panel, Sheet
-from ..work import hypot
+from ..work import hypot, total
+from .rows import mean_of
 from .samples import PRESSURES, SomfaiWork, member
-from .verdict import Row, mean_of
 
 NAMES = ("smooth", "friction")
 
@@ -93,14 +96,13 @@ def _front_speeds(work: SomfaiWork) -> Speeds:
 
 
 def _wave_speeds(work: SomfaiWork, name: str) -> Speeds:
-    means = [(p, mean_of(Row("", ""), map(member(f"moduli.{name}"), work.some("square", p, parts="moduli"))))
-             for p in PRESSURES]
-    return Speeds.of([(p, row.ours, row.err) for p, row in means])
+    means = [(p, mean_of(map(member(f"moduli.{name}"), work.some("square", p, parts="moduli")))) for p in PRESSURES]
+    return Speeds.of([(p, mean.mean, mean.err) for p, mean in means])
 
 
 # ---- rows -----------------------------------------------------------------------------------------------------------
 
-def make(work: SomfaiWork, item: str) -> None:
+def make_speeds(work: SomfaiWork, item: str) -> None:
     tof, fast, slow = _front_speeds(work), _wave_speeds(work, "c_l"), _wave_speeds(work, "c_t")
     work.state("c_tof", *tof.last())
     for name, speeds in (("c_tof", tof), ("c_l", fast), ("c_t", slow)):
@@ -111,7 +113,7 @@ def make(work: SomfaiWork, item: str) -> None:
         theory = lattice_speed(5e-7, friction)
         work.state(f"lattice-{name}", lattice_long(work, bool(friction))[0], 0.0, theory, 0.002 * theory)
     if work.folder:
-        _draw(work, item, tof, fast, slow)
+        _draw_speeds(work, item, tof, fast, slow)
     for k in range(len(tof.p)):
         work.say(item, f"p = {tof.p[k]:g}: c_tof = {tof.c[k]:.4f} +- {tof.err[k]:.4f}.")
     for friction, words, source in ((False, "without", "Eq. (18)"), (True, "with", "Eq. (19)")):
@@ -139,7 +141,7 @@ def _marks(label: str, s: Speeds, ink: int, mark: str, open: bool = False) -> Cu
     return Curve(s.p, s.c, label, error=None if open else s.err, ink=ink, dash=None, mark=mark, open=open)
 
 
-def _draw(work: SomfaiWork, item: str, tof: Speeds, fast: Speeds, slow: Speeds) -> None:
+def _draw_speeds(work: SomfaiWork, item: str, tof: Speeds, fast: Speeds, slow: Speeds) -> None:
     span = np.array([4e-8, 2.5e-4])
     plain, low, high = (np.array([lattice_speed(p, eta) for p in span]) for eta in (0, _eta(0.5), _eta(0)))
     small = [Speeds.of([(p, lattice_small(work, friction, p), math.nan) for p in (1e-7, 5e-7, 1e-6, 1e-5, 1e-4)])
@@ -162,3 +164,67 @@ def _draw(work: SomfaiWork, item: str, tof: Speeds, fast: Speeds, slow: Speeds) 
                     "Speed of the front and of long waves against pressure: packings of 600 grains, and triangular "
                     "lattices, measured and by Eqs. (18) and (19), the band for 0 <= nu <= 0.5.",
                     Sheet([panel], aspect=0.85, width=300 / 72))
+
+
+# ---- Fig. 12: chains and lattice ------------------------------------------------------------------------------------
+
+BALLS = (20, 200, 2000)
+ROWS = 20
+LOW, HIGH = -2.5, 5.0  # range of (t - N)/N^(1/3)
+
+
+def _cube(n: float) -> float:
+    return float(np.cbrt(float(n)))
+
+
+def _lattice(work: SomfaiWork) -> tuple[float, Floats, Floats]:
+    """The lattice without friction as a chain: a row of grains is a ball, the two contacts of each grain with the next row
+    its spring; the first row starts with k_wall/m, the first ball of the chain with velocity 1. The walls' springs over
+    those between rows; x = (t - N)/N^(1/3), y = F N^(2/3): its front in the units of the chain."""
+    network = next(each for sample, _, each in work.walk("lattice-long", 5e-7, 24 * ROWS) if not sample.friction > 0)
+    s, third, mass = network.springs, _cube(ROWS), float(network.mass.ravel()[0])
+    tops, up = s["j"] == TOP, np.flatnonzero((s["j"] >= 0) & (np.abs(s["n"][:, 1]) > 0.5))
+    spring = total(2 * float(s["kn"][k]) * float(s["n"][k, 1]) * float(s["n"][k, 1]) for k in up) / len(up)
+    wall, unit = float(s["kn"][tops][-1]), math.sqrt(mass / spring)
+    signal = network.signal(method="chebyshev", until=(ROWS + HIGH * third) * unit, points=81)
+    x = (signal.t / unit - ROWS) / third
+    y = signal.F / int(tops.sum()) * mass / (wall * spring * unit) * third * third
+    return wall / spring, x[x >= LOW], y[x >= LOW]
+
+
+def _chain(n: int, x: Floats, wall: float = 1.0) -> Floats:
+    """The front of a chain, scaled."""
+    return chain_signal(n, n + x * _cube(n), wall=wall) * (_cube(n) * _cube(n))
+
+
+def make_chains(work: SomfaiWork, item: str) -> None:
+    wall, x, y = _lattice(work)
+    row = work.state("wall", wall, 0.0)
+    if abs(1 / wall - row.paper) < row.paper_sd:
+        work.say(item, f"The walls' springs are {wall:.3f} times as stiff as those between rows, which is "
+                       f"Hertz's law for rigid walls; the number in the paper is the inverse, {1 / wall:.3f}.")
+    limit = float(lib.sp_chain_limit_of(lib.SP_CHAIN_VELOCITY).height)
+    for n in BALLS:
+        below = 100 * (1 - chain_front(n).amplitude * math.pow(n, 2.0 / 3) / limit)
+        work.say(item, f"Chain of {n} balls: the first peak's height times N^(2/3) is {below:.2f}% below its limit.")
+    mapped = _chain(ROWS, x, wall)
+    apart = float(np.max(np.abs(mapped - y)) / np.max(np.abs(mapped)))
+    work.say(item, f"The lattice of {ROWS} rows, its first row as fast as the chain's first ball, has the signal of a "
+                   f"chain of {ROWS} balls with such walls, to {apart:.1g} of the largest value shown: its front is "
+                   "lower and earlier than that of a chain whose springs are all equal.")
+    if work.folder:
+        _draw_chains(work, item, wall, x, y)
+
+
+def _draw_chains(work: SomfaiWork, item: str, wall: float, at: Floats, lattice: Floats) -> None:
+    x = np.array([LOW + (HIGH - LOW) * k / 400 for k in range(401)])
+    far = 1000000000
+    curves = [Curve(x, chain_airy(far, far + x * _cube(far)) * (_cube(far) * _cube(far)), "Airy, Eq. (16)", width=1.8)]
+    curves += [Curve(x, _chain(n, x), f"chain, |N| = {n}", ink=k + 1, dash=(2, 3, 1)[k]) for k, n in enumerate(BALLS)]
+    curves.append(Curve(x, _chain(ROWS, x, wall), ink=1, width=0.7))
+    curves.append(Curve(at, lattice, "lattice, 20 rows", ink=1, dash=None, mark="o", open=True))
+    panel = Panel(curves, "(|ct|/|ℓ| − |N|) / |N|^{1/3}", "|F| |N|^{2/3} / |Kℓ|", x=(LOW, HIGH), zero=True)
+    work.draw_sheet(item, "fig12",
+                    "Force of the last ball on its wall after a velocity of the first (A), against the time after N "
+                    "l/c: chains of N balls, their limit, a triangular lattice of 20 rows (circles), and a chain with "
+                    "walls as stiff as the lattice's (thin line).", Sheet([panel]))

@@ -1,0 +1,394 @@
+/* sonopack modes: prints eigenfrequencies and eigenmodes of a packing, all of them or a part. */
+#include "base/base.h"
+#include "cli/excitation.h"
+#include "cli/files.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <sonopack/modes.h>
+#include <sonopack/study/modes_file.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define FREQUENCY "sqrt(E* / rho)/d"
+
+typedef struct arguments {
+    cli_common common;
+    bool frequencies_only, stability, zero;
+    int source, solver; /* sp_source, sp_modes_solver */
+    sp_modes_range range;
+    bool part;          /* --lowest or --band */
+    int ranges;         /* how many of --lowest and --band */
+    sp_damping damping; /* value 0: none */
+    const char *vectors;
+    int64_t mode; /* < 0: not given */
+} arguments;
+
+/* The same comments in all tables that count zero modes. */
+void cli_zero_modes(cli_writer *w, const sp_zero_modes *z) {
+    if (z->total >= 0)
+        cli_comment(w, "zero_modes = %lld", (long long)z->total);
+    cli_comment(w, "rattler_modes = %lld", (long long)z->rattlers);
+    cli_comment(w, "free_spins = %lld", (long long)z->spins);
+    cli_comment(w, "rigid_motions = %lld", (long long)z->rigid);
+    if (z->total >= 0) {
+        cli_comment(w, "mechanisms = %lld", (long long)z->mechanisms);
+        cli_value(w, "zero_below", z->below);
+    } else
+        cli_comment(w, "mechanisms are not told apart from soft modes");
+}
+
+/* ---- --damping: decaying modes ----------------------------------------------------------------------------------- */
+
+static sp_status damped(const arguments *a, const cli_file *file, cli_writer *w) {
+    const sp_source source = (sp_source)a->source;
+    sp_damped_modes m = sp_damped_modes_none();
+    w->status = sp_damped_modes_with(&file->network, &a->damping, source, &m, w->err);
+    cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", FREQUENCY, "decay", FREQUENCY, "cosine", "E* d^2", "sine", "E* d^2",
+                "error", FREQUENCY, "Q", "", "Q_err", "", NULL);
+    cli_value(w, "pressure", file->packing.pressure);
+    cli_damping_comment(w, &a->damping);
+    cli_comment(w, "source = %s", cli_source_names[source]);
+    cli_comment(w, "residual = %.3g", m.residual);
+    for (int64_t k = 0; k < m.n && w->status == SP_OK; k++) {
+        double q, q_error;
+        sp_damped_modes_quality(&m, k, &q, &q_error);
+        cli_row(w, k, m.omega[k], m.decay[k], m.cosine[k], m.sine[k], m.error[k], q, q_error);
+    }
+    sp_damped_modes_free(&m);
+    return w->status;
+}
+
+/* ---- --stability: whether any motion grows ----------------------------------------------------------------------- */
+
+static const char *const verdicts[] = {
+    [SP_MODES_STABLE] = "stable", [SP_MODES_UNSTABLE] = "unstable", [SP_MODES_UNDECIDED] = "undecided"};
+
+static double known(int64_t count) { return count < 0 ? NAN : (double)count; }
+
+static sp_status stability(const cli_file *file, cli_writer *w) {
+    sp_stability s = {0};
+    w->status = sp_stability_make(&file->packing, &file->network, &s, w->err);
+    cli_columns(w, SP_COLUMN_TEXT, "verdict", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "negative", "", "flutter", "", "zero", "", "softest", "E* / (rho d^2)", "growth",
+                FREQUENCY, "growth_bound", FREQUENCY, "error", "E* / (rho d^2)", NULL);
+    cli_value(w, "pressure", file->packing.pressure);
+    cli_comment(w, "method = %s", s.dense ? "dense" : "counts");
+    cli_comment(w, "degrees_of_freedom = %lld", (long long)s.dofs);
+    cli_comment(w, "skew = %.3g", s.skew);
+    cli_comment(w, "balance = %.3g", s.balance);
+    if (s.unbalanced > 0)
+        cli_comment(w,
+                    "%lld of the motions that grow are within balance: the forces at rest are as much off theirs, see "
+                    "packing.tolerance and network.threshold",
+                    (long long)s.unbalanced);
+    cli_comment(w, "%s: no motion grows faster than exp(%.3g t)", verdicts[s.verdict], s.growth_bound);
+    cli_row(w, verdicts[s.verdict], known(s.negative), known(s.flutter), known(s.zero), s.softest, s.growth,
+            s.growth_bound, s.error);
+    return w->status;
+}
+
+/* ---- --vectors: of all modes as a file, or the displacements of one as a table ----------------------------------- */
+
+static const char *const components[] = {"ux", "uy", "uz", "rx", "ry", "rz"};
+
+static void displacement_columns(const sp_network *net, cli_writer *w) {
+    cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
+    cli_place_columns(w, net->dim);
+    cli_columns(w, SP_COLUMN_NUMBER, "radius", "d", NULL);
+    for (int a = 0; a < net->dof; a++) /* in 2D the only rotation is about z */
+        cli_columns(w, SP_COLUMN_NUMBER, components[a >= net->dim && net->dim == 2 ? 5 : a],
+                    a < net->dim ? "1/sqrt(rho d^3)" : "1/sqrt(rho d^5)", NULL);
+}
+
+static void displacement_comments(const cli_file *file, const sp_modes *m, int64_t row, cli_writer *w) {
+    const sp_network_options *made = &file->scene->network;
+    cli_comment(w, "motion = mode");
+    cli_comment(w, "packing = %016" PRIx64, sp_packing_hash(&file->packing));
+    cli_value(w, "threshold", made->threshold);
+    cli_comment(w, "prestress = %d", made->prestress);
+    cli_comment(w, "sliding_free = %d", made->sliding_free);
+    cli_comment(w, "mode = %lld", (long long)(m->first + row));
+    cli_value(w, "omega", m->omega[row]);
+    cli_value(w, "omega_error", m->error[row]);
+    cli_value(w, "vector_error", sp_modes_vector_error(m, &file->network, row));
+    cli_comment(w, "u = M^(-1/2) e with |e| = 1; vector_error is a bound of |e - exact|");
+    cli_comment(w, "rattlers = %d, which are left out", file->network.rattlers);
+}
+
+static void displacement_rows(const sp_network *net, const double *e, cli_writer *w) {
+    for (int32_t i = 0; i < net->n; i++) {
+        cli_put(w, net->grain[i]);
+        for (int a = 0; a < net->dim; a++)
+            cli_put(w, net->x[3 * (int64_t)i + a]);
+        cli_put(w, net->r[i]);
+        for (int64_t k = (int64_t)i * net->dof; k < (int64_t)(i + 1) * net->dof; k++)
+            cli_put(w, e[k] / sqrt(net->mass[k]));
+        cli_end_row(w);
+    }
+}
+
+static sp_status write_displacements(const arguments *a, const cli_file *file, const sp_modes *m, sp_error *err) {
+    const int64_t row = a->mode - m->first;
+    sp_table t = sp_table_none();
+    cli_writer w = {.table = &t, .err = err};
+    cli_common there = a->common;
+    if (row < m->n_rattler || row >= m->n)
+        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in %lld .. %lld", (long long)a->mode,
+                       (long long)(m->first + m->n_rattler), (long long)(m->first + m->n - 1));
+    if (file->scene->network.tangential != SP_SPRINGS_CONSTANT)
+        return sp_fail_key(err, SP_EREFUSED, "network.tangential",
+                           ": must be \"constant\" for a table of displacements, which cannot say otherwise");
+    displacement_columns(&file->network, &w);
+    displacement_comments(file, m, row, &w);
+    displacement_rows(&file->network, m->vectors + (row - m->n_rattler) * m->dofs, &w);
+    there.format_given = false;
+    CLI_THEN(w.status, cli_write_table_to(&there, a->vectors, &t, err));
+    sp_table_free(&t);
+    return w.status;
+}
+
+static sp_status check_vectors(const char *path, int64_t mode, sp_error *err) {
+    if (!path)
+        return mode < 0 ? SP_OK : sp_fail(err, SP_EINVAL, "--mode %lld: needs --vectors FILE", (long long)mode);
+    const bool table = cli_has_ending(path, ".tsv") || cli_has_ending(path, ".csv") || cli_has_ending(path, ".json");
+    if (!cli_is_hdf5(path) && !table)
+        return sp_fail(err, SP_EINVAL,
+                       "--vectors %s: the ending must be .h5, or .tsv, .csv or .json for one mode by --mode N", path);
+    if (table && mode < 0)
+        return sp_fail(err, SP_EINVAL, "--vectors %s: a table has one mode, which --mode N must select", path);
+    if (!table && mode >= 0)
+        return sp_fail(err, SP_EINVAL, "--mode %lld: --vectors %s takes all modes", (long long)mode, path);
+    return SP_OK;
+}
+
+static sp_status write_vectors(const arguments *a, const cli_file *file, const sp_modes *m, sp_error *err) {
+    const sp_modes_made made = {.network = file->scene->network, .source = (sp_source)a->source};
+    if (!cli_is_hdf5(a->vectors))
+        return write_displacements(a, file, m, err);
+    return sp_modes_save(m, &file->packing, &file->network, &made, a->vectors, err);
+}
+
+/* ---- options ----------------------------------------------------------------------------------------------------- */
+
+static sp_status set_lowest(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
+    a->range = sp_modes_range_all();
+    a->part = true;
+    a->ranges++;
+    return cli_integer("--lowest", text, 1, 1000000000, &a->range.lowest, err);
+}
+
+static sp_status set_band(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
+    double band[2] = {0, 1};
+    const sp_status status = cli_pair("--band", text, 0, INFINITY, band, err);
+    a->range = sp_modes_range_band(band[0], band[1]);
+    a->part = true;
+    a->ranges++;
+    return status;
+}
+
+static sp_status add_all(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
+    (void)text, (void)err;
+    a->ranges++;
+    return SP_OK;
+}
+
+static sp_status check(void *user, sp_error *err) {
+    const arguments *a = user;
+    if (a->vectors && (a->frequencies_only || a->stability || a->damping.value > 0))
+        return sp_fail(err, SP_EINVAL,
+                       "--vectors cannot be combined with --frequencies-only, --stability or --damping");
+    if (a->vectors && a->common.output && strcmp(a->vectors, a->common.output) == 0)
+        return sp_fail(err, SP_EINVAL, "--vectors and -o %s: must be two files", a->vectors);
+    const sp_status vectors = check_vectors(a->vectors, a->mode, err);
+    if (vectors != SP_OK)
+        return vectors;
+    if (a->zero && a->range.lowest == 0)
+        return sp_fail(
+            err, SP_EINVAL,
+            "--zero: only with --lowest; --all and a band that begins at 0 have all zero modes, any other band "
+            "none");
+    if (a->ranges > 1)
+        return sp_fail(err, SP_EINVAL, "--all, --lowest and --band: only one of them may be given, once");
+    if (a->solver != SP_SOLVER_AUTO && (a->damping.value > 0 || a->stability))
+        return sp_fail(err, SP_EINVAL, "--solver cannot be combined with --damping or --stability");
+    if (a->damping.value > 0 && (a->part || a->frequencies_only))
+        return sp_fail(err, SP_EINVAL, "--damping cannot be combined with --lowest, --band or --frequencies-only");
+    if (a->stability && (a->part || a->frequencies_only || a->damping.value > 0))
+        return sp_fail(err, SP_EINVAL,
+                       "--stability cannot be combined with --lowest, --band, --frequencies-only or --damping");
+    return SP_OK;
+}
+
+static const cli_option options[] = {
+    {"all", NULL, "All modes (the default)", .parse = add_all},
+    {"lowest", "K", "Only the K lowest modes that are no zero modes; n starts after those", .parse = set_lowest},
+    {"zero", NULL, "With --lowest: all zero modes too, in front", CLI_FLAG, CLI_FIELD(zero)},
+    {"band", "LO:HI", "Only the modes with LO <= omega <= HI; n counts from the lowest of all modes. HI may be inf",
+     .parse = set_band},
+    {"frequencies-only", NULL, "Print only the columns n, omega and error: no amplitudes, no participation ratio",
+     CLI_FLAG, CLI_FIELD(frequencies_only)},
+    {"damping", CLI_DAMPING,
+     "Add dashpots, as in signal: columns n, omega, decay, cosine, sine, error, Q, Q_err (at most 2000 degrees of "
+     "freedom)",
+     CLI_DASHPOTS, CLI_FIELD(damping), .low = 1e-12, .high = 100},
+    {"solver", CLI_SOLVERS, "Solver: block Lanczos, ARPACK, LAPACK, or the fastest of them (auto)", CLI_CHOICE,
+     CLI_FIELD(solver), .words = cli_solver_names},
+    {"stability", NULL,
+     "Print one row instead, with a verdict on whether any motion grows (with --prestress and friction, up to 6000 "
+     "degrees of freedom; above that undecided, with a bound)",
+     CLI_FLAG, CLI_FIELD(stability)},
+    {"vectors", "FILE",
+     "Write the eigenvectors too: of all modes to FILE.h5, or with --mode N the displacements in that mode to FILE.tsv "
+     "(.csv, .json)",
+     CLI_TEXT, CLI_FIELD(vectors)},
+    {"mode", "N", "Number of the mode for --vectors FILE.tsv, as in the column n", CLI_INTEGER, CLI_FIELD(mode),
+     .high = 1000000000},
+    {"source", "impulse|velocity|displacement", "Kind of source for the amplitudes a (impulse)", CLI_CHOICE,
+     CLI_FIELD(source), .words = cli_source_names},
+    CLI_DRY_RUN,
+    {0}};
+
+const cli_syntax cmd_modes_syntax = {
+    .usage = "FILE",
+    .help =
+        "Eigenfrequencies of the spring network of a packing between fixed walls, and the weight of each mode in the "
+        "signal.\v"
+        "Modes are sorted by omega; among the zero modes those of rattlers come first. The signal is F(t) = sum of ab "
+        "sin(omega t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain "
+        "in the mode and N the number of grains without rattlers. error is a bound for the error of omega. a, b and "
+        "participation of modes of equal frequencies are not definite. A packing that does not touch the bottom (top) "
+        "wall has no source (detector): a (b) is nan, and a comment says none. --set takes keys of the group network.\n"
+        "\n"
+        "The comments count the zero modes of the packing, whichever modes are printed: zero_modes = rattler_modes + "
+        "free_spins (a grain that turns alone, such as a sphere with two contacts) + rigid_motions (grains that hang "
+        "together and move as a rigid body, such as a packing between walls without friction) + mechanisms (all "
+        "others). A mode is a zero mode if omega < zero_below.\n"
+        "\n"
+        "With --damping, F(t) = sum of exp(-decay t) (cosine cos(omega t) + sine sin(omega t)). Each conjugate pair "
+        "has one row, each overdamped mode a row with omega = 0; n starts at 0 without rattlers. Q = |lambda|/(2 "
+        "decay) with lambda = -decay + i omega is the quality factor (nan for an overdamped mode), Q_err a bound of "
+        "its error.",
+    CLI_ONE_PACKING,
+    .options = options,
+    .springs = true,
+    .check = check};
+
+static void add_comments(const arguments *a, const cli_file *file, const sp_modes *m, cli_writer *w) {
+    const sp_network *net = &file->network;
+    char from[SP_NUMBER_TEXT], to[SP_NUMBER_TEXT];
+    cli_comment(w, "file = %s", file->path);
+    cli_value(w, "pressure", file->packing.pressure);
+    cli_comment(w, "dimension = %d", net->dim);
+    cli_comment(w, "carrying = %d", net->n); /* grains without the rattlers */
+    cli_zero_modes(w, &m->zero);
+    if (!a->frequencies_only)
+        cli_comment(w, "source = %s", sp_network_touches(net, SP_BOTTOM) ? cli_source_names[a->source] : "none");
+    if (!a->frequencies_only && !sp_network_touches(net, SP_TOP))
+        cli_comment(w, "detector = none");
+    if (m->vectors) {
+        cli_comment(w, "residual = %.3g", m->residual);
+        cli_comment(w, "orthogonality = %.3g", m->orthogonality);
+    }
+    cli_comment(w, "method = %s", m->solver == SP_SOLVER_DENSE ? "dense" : "sparse");
+    /* no mode is missing between these two frequencies */
+    cli_comment(w, "complete = %s:%s", sp_number_text(m->certified_from, from), sp_number_text(m->certified_to, to));
+    cli_comment(w, "solver = %s", cli_solver_names[m->solver]);
+    if (m->solver != SP_SOLVER_DENSE) {
+        cli_comment(w, "factors = %lld", (long long)m->factors);
+        cli_comment(w, "solves = %lld", (long long)m->solves);
+    }
+    if (m->on_edge > 0)
+        cli_comment(w, "on_edge = %lld", (long long)m->on_edge);
+}
+
+static void add_columns(bool vectors, cli_writer *w) {
+    cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", FREQUENCY, NULL);
+    if (vectors)
+        cli_columns(w, SP_COLUMN_NUMBER, "a", "d sqrt(rho d^3)", "b", "E* d/sqrt(rho d^3)", "ab", "E* d^2",
+                    "participation", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "error", FREQUENCY, NULL);
+}
+
+static sp_status undamped(const arguments *a, const cli_file *file, cli_writer *w) {
+    const sp_modes_options o = {.vectors = !a->frequencies_only,
+                                .source = (sp_source)a->source,
+                                .solver = (sp_modes_solver)a->solver,
+                                .threads = a->common.threads};
+    sp_modes_range range = a->range;
+    sp_modes m = sp_modes_none();
+    range.zero = a->zero;
+    w->status = sp_modes_make(&file->network, &o, &range, &m, w->err);
+    add_columns(!a->frequencies_only, w);
+    add_comments(a, file, &m, w);
+    if (a->vectors && w->status == SP_OK)
+        w->status = write_vectors(a, file, &m, w->err);
+    for (int64_t k = 0; k < m.n && w->status == SP_OK; k++) {
+        const int64_t n = m.first + k;
+        if (m.vectors)
+            cli_row(w, n, m.omega[k], m.a[k], m.b[k], m.a[k] * m.b[k], m.participation[k], m.error[k]);
+        else
+            cli_row(w, n, m.omega[k], m.error[k]);
+    }
+    sp_modes_free(&m);
+    return w->status;
+}
+
+static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
+    const arguments *a = user;
+    if (!a->stability && !(a->damping.value > 0))
+        return undamped(a, file, w);
+    cli_comment(w, "file = %s", file->path);
+    if (w->status == SP_OK && !a->stability)
+        w->status = cli_need_walls(&file->packing, "the pulse of damped modes", w->err);
+    if (w->status != SP_OK)
+        return w->status;
+    return a->stability ? stability(file, w) : damped(a, file, w);
+}
+
+static sp_status begin(void *user, cli_writer *w) {
+    const arguments *a = user;
+    return a->vectors ? cli_may_write_modes(&a->common, a->vectors, w->err) : SP_OK;
+}
+
+/* How many modes a band has: their density is about even over the spectrum. */
+static double expected_modes(const arguments *a, const sp_network_size *net) {
+    if (a->range.lowest > 0)
+        return (double)a->range.lowest;
+    return fmin(net->dofs, net->dofs * (fmin(a->range.to, net->omega) - a->range.from) / net->omega);
+}
+
+static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *err) {
+    const arguments *a = user;
+    const sp_network_size net = sp_network_size_of(&file->network, sp_packing_height(&file->packing));
+    const sp_modes_options o = {
+        .vectors = !a->frequencies_only, .solver = (sp_modes_solver)a->solver, .threads = a->common.threads};
+    const double modes = fmax(0, expected_modes(a, &net));
+    sp_cost cost = sp_cost_modes(&net, &o, &a->range, modes, &p->machine);
+    if (a->stability || a->damping.value > 0) {
+        cost.cpu = cost.wall = NAN;
+        cli_comment(&p->w, "nan: there is no law for --stability and --damping");
+    }
+    (void)err;
+    cli_plan_add(p, "network", 1, sp_cost_result(SP_RESULT_NETWORK, &net, 1, &p->machine), 0);
+    cli_plan_add(p, "modes", (int64_t)modes, cost, a->common.output ? sp_bytes_table(modes, 7) : 0);
+    if (a->vectors)
+        cli_plan_add(p, "vectors", a->mode >= 0 ? 1 : (int64_t)modes, (sp_cost){0},
+                     a->mode >= 0 ? sp_bytes_table(net.grains, 7) : 8 * modes * net.dofs);
+    return SP_OK;
+}
+
+int cmd_modes(int argc, char **argv) {
+    static const cli_files command = {CLI_OF_NETWORK, .stop = true,
+                                      .begin = begin, .add = add_rows,
+                                      .plan = plan,   .kernels = 1U << SP_KERNEL_DENSE | 1U << SP_KERNEL_SPARSE};
+    arguments a = {.range = sp_modes_range_all(), .mode = -1};
+    cli_parse(&cmd_modes_syntax, argc, argv, &a);
+    return cli_run_files(&command, &a);
+}

@@ -1,0 +1,346 @@
+/* sonopack moduli: prints elastic moduli and speeds of long waves, one row for each packing. */
+#include "base/base.h"
+#include "cli/files.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { PROBES_MAX = 64 };
+
+typedef struct probe {
+    const char *text; /* as it was given */
+    bool global;      /* imposed strain; else `probe` */
+    sp_probe probe;
+} probe;
+
+typedef struct arguments {
+    cli_common common;
+    double margin;
+    int probes, strains;
+    probe probe[PROBES_MAX];
+    double strain[PROBES_MAX];
+    int dim;    /* of the packings so far; 0: none */
+    bool whole; /* the table has the whole tensor: of packings without a piston */
+} arguments;
+
+/* "global", "sine:N" or "lines:N". */
+static sp_status read_probe(const char *text, probe *out, sp_error *err) {
+    const char *colon = strchr(text, ':');
+    int64_t n = 0;
+    *out = (probe){.text = text, .global = strcmp(text, "global") == 0};
+    if (out->global)
+        return SP_OK;
+    if (strncmp(text, "sine:", 5) == 0)
+        out->probe.kind = SP_PROBE_SINE;
+    else if (strncmp(text, "lines:", 6) == 0)
+        out->probe.kind = SP_PROBE_LINES;
+    else
+        return sp_fail(err, SP_EINVAL, "--probe %.60s: must be global, sine:N or lines:N", text);
+    if (cli_integer("N", colon + 1, 1, 1000000, &n, err) != SP_OK) {
+        sp_fail_prefix(err, "--probe %.60s", text);
+        return SP_EINVAL;
+    }
+    if (out->probe.kind == SP_PROBE_LINES && n % 2 == 0)
+        return sp_fail(err, SP_EINVAL, "--probe %.60s: N must be odd, so that every second line is displaced", text);
+    out->probe.n = (int32_t)n;
+    return SP_OK;
+}
+
+static sp_status add_probe(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
+    if (a->probes == PROBES_MAX)
+        return sp_fail(err, SP_EINVAL, "--probe: may be given at most %d times", PROBES_MAX);
+    return read_probe(text, &a->probe[a->probes++], err);
+}
+
+static sp_status add_strain(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
+    if (a->strains == PROBES_MAX)
+        return sp_fail(err, SP_EINVAL, "--strain: may be given at most %d times", PROBES_MAX);
+    return cli_number("--strain", text, 1e-12, 0.01, &a->strain[a->strains++], err);
+}
+
+static sp_status check(void *user, sp_error *err) {
+    const arguments *a = user;
+    if (a->strains > 0 && a->probes > 0)
+        return sp_fail(err, SP_EINVAL, "--strain and --probe cannot be combined: their tables have different columns");
+    return SP_OK;
+}
+
+static const cli_option options[] = {
+    {"margin", "D", "Leave layers of this thickness at all walls out of the density [d] (3)", CLI_NUMBER,
+     CLI_FIELD(margin), .high = 1e6},
+    {"probe", "KIND",
+     "Apparent moduli (repeatable): sine:N, a body force with N half waves between the walls; lines:N, N displaced "
+     "lines of grains, N odd; or global, the imposed strain",
+     .parse = add_probe},
+    {"strain", "EPS",
+     "Moduli at a finite strain of 1e-12 to 0.01, with the full contact law instead of linear springs (repeatable)",
+     .parse = add_strain},
+    {0}};
+
+const cli_syntax cmd_moduli_syntax = {
+    .usage = "FILE...",
+    .help =
+        "Elastic moduli of packings from an imposed homogeneous strain, in which the contact points on the walls take "
+        "part. A chain has only C22.\v"
+        "In two dimensions axis 1 is along the walls and axis 2 points from wall to wall; c_l = sqrt(C22/Phi3*) and "
+        "c_t = sqrt(C33/Phi3*), where Phi3* is the volume fraction without rattlers, away from the walls. In three "
+        "dimensions axes 1 and 2 are along the walls and axis 3 points from wall to wall; C44, C55 and C66 are the "
+        "shear moduli of 23, 13 and 12, c_l = sqrt(C33/Phi3*) and c_t = sqrt((C44+C55)/(2 Phi3*)). Shear moduli and "
+        "c_t are nan without friction, because a smooth wall cannot shear; --probe sine:1 can. c_l and c_t are nan "
+        "where the packing is too low to have a bulk (see --margin). With --probe the table has apparent moduli on "
+        "smaller scales, and their ratios to those of the global strain. With --strain it has changes of stress "
+        "divided by the strain, for packings that are brought back to equilibrium, and counts the contacts that slide "
+        "or open. --set takes keys of the group network.\n"
+        "\n"
+        "A periodic cell is strained itself, and a box by all of its walls; read \"along the up axis\" for \"from "
+        "wall to wall\". Their tables have further columns: the rest of the stiffness tensor in Voigt's notation (in "
+        "two dimensions 3 is the shear, so C13 and C23 couple it to the axes), the bulk modulus K and the shear "
+        "modulus G of its isotropic part (Voigt's averages), the anisotropy |C - isotropic part|/|C|, and bounds of "
+        "the errors: K_err, G_err, anisotropy_err, and C_err of all components.",
+    CLI_PACKINGS,
+    .options = options,
+    .springs = true,
+    .check = check};
+
+/* Whether the walls cannot shear the packing, so that its shear moduli are nan. */
+static bool no_shear(int dim, const sp_moduli *m) { return dim > 1 && isnan(dim == 3 ? m->c55 : m->c33); }
+
+static const char *moduli_of(int dim) { return dim == 3 ? "C11 C12 C13 C22 C23 C33 C44 C55 C66" : "C11 C12 C22 C33"; }
+
+/* ---- of an imposed strain ---------------------------------------------------------------------------------------- */
+
+/* Notes which strains the network does not resist, or even helps. */
+static void explain_mechanisms(const arguments *a, const char *path, const sp_moduli *m) {
+    const struct {
+        const char *name;
+        double value;
+    } each[] = {{"C11", m->c11}, {"C22", m->c22}, {"C33", m->c33}, {"C44", m->c44}, {"C55", m->c55}, {"C66", m->c66}};
+    for (size_t k = 0; k < sizeof each / sizeof *each; k++) {
+        if (each[k].value == 0)
+            cli_note(&a->common, "%s: %s is 0: the grains can follow this strain without deforming a contact", path,
+                     each[k].name);
+        if (each[k].value < 0)
+            cli_note(&a->common, "%s: %s is below 0: at its prestress the packing gives way to this strain", path,
+                     each[k].name);
+    }
+}
+
+/* Notes why values of the row are nan. */
+static void explain(const arguments *a, const cli_file *file, double density, const sp_moduli *m) {
+    const int dim = file->packing.dim;
+    if (dim == 1)
+        cli_note(&a->common, "%s: a chain has only C22; the other moduli are nan", file->path);
+    else if (no_shear(dim, m))
+        cli_note(&a->common,
+                 "%s: %s and c_t are nan: walls without friction cannot shear a packing; --probe sine:1 shears it with "
+                 "a body force",
+                 file->path, dim == 3 ? "C44, C55" : "C33");
+    explain_mechanisms(a, file->path, m);
+    if (isnan(density))
+        cli_note(&a->common,
+                 "%s: c_l and c_t are nan: no grain of this packing, which is %.3g d high, is %.3g d away from both "
+                 "walls; see --margin",
+                 file->path, sp_packing_height(&file->packing), a->margin);
+}
+
+/* The rest of the tensor, of cells without a piston: rows and columns of C, in Voigt's notation. */
+static void whole_columns(int dim, cli_writer *w) {
+    if (dim == 3)
+        cli_columns(w, SP_COLUMN_NUMBER, "C14", "E*", "C15", "E*", "C16", "E*", "C24", "E*", "C25", "E*", "C26", "E*",
+                    "C34", "E*", "C35", "E*", "C36", "E*", "C45", "E*", "C46", "E*", "C56", "E*", NULL);
+    else
+        cli_columns(w, SP_COLUMN_NUMBER, "C13", "E*", "C23", "E*", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "K", "E*", "K_err", "E*", "G", "E*", "G_err", "E*", "anisotropy", "",
+                "anisotropy_err", "", "C_err", "E*", NULL);
+}
+
+static void put_whole(const sp_elasticity *e, cli_writer *w) {
+    const int axes = e->strains == SP_STRAINS_MAX ? 3 : 2;
+    double most = 0;
+    for (int a = 0; a < e->strains; a++)
+        for (int b = 0; b < e->strains; b++) {
+            most = fmax(most, e->error[a][b]);
+            if (b > a && b >= axes)
+                cli_put(w, e->c[a][b]);
+        }
+    cli_put(w, e->bulk, e->bulk_error, e->shear, e->shear_error, e->anisotropy, e->anisotropy_error, most);
+}
+
+static void global_row(const arguments *a, const cli_file *file, cli_writer *w) {
+    double density;
+    sp_moduli m;
+    sp_elasticity whole;
+    w->status = sp_packing_density(&file->packing, file->scene->network.threshold, a->margin, &density, w->err);
+    CLI_THEN(w->status, sp_elasticity_make(&file->network, density, &m, &whole, w->err));
+    if (w->status != SP_OK)
+        return;
+    explain(a, file, density, &m);
+    cli_put_text(w, file->path);
+    cli_put(w, file->packing.pressure);
+    cli_put_quantities(w, sp_moduli_quantities, moduli_of(file->packing.dim), &m);
+    cli_put_quantities(w, sp_moduli_quantities, "c_l c_t", &m);
+    if (a->whole)
+        put_whole(&whole, w);
+    cli_end_row(w);
+}
+
+/* ---- --probe: apparent moduli on smaller scales ------------------------------------------------------------------ */
+
+static void explain_probe(const arguments *a, const cli_file *file, const char *name, const sp_probe_moduli *m) {
+    if (file->packing.dim > 1 && isnan(m->shear))
+        cli_note(&a->common, "%s: %s of %s is nan: grains slip along a wall without friction", file->path,
+                 file->packing.dim == 3 ? "C55" : "C33", name);
+    if (m->concentrated > 0.25)
+        cli_note(&a->common,
+                 "%s: %s: grain %d, which is loosely held, has %.2g of the elastic energy: these are not moduli of the "
+                 "packing",
+                 file->path, name, m->grain, m->concentrated);
+    if (m->left_out > 0)
+        cli_note(&a->common,
+                 "%s: %s: %.2g of the squared body force is left out, because it acts on floppy parts, which no "
+                 "contact holds",
+                 file->path, name, m->left_out);
+}
+
+/* Notes why values of the rows are nan, and which moduli are not to be trusted. */
+static void explain_probes(const arguments *a, const cli_file *file, const sp_moduli *global,
+                           const sp_probe_moduli *each) {
+    const int dim = file->packing.dim;
+    if (dim == 1)
+        cli_note(&a->common, "%s: a chain has only C22; C33 is nan", file->path);
+    else if (no_shear(dim, global))
+        cli_note(&a->common,
+                 "%s: %s of the global strain and ratios to it are nan: walls without friction cannot shear a packing; "
+                 "sine:N uses cosines for the shear instead, which exert no shear on the walls",
+                 file->path, dim == 3 ? "C55" : "C33");
+    for (int k = 0; k < a->probes; k++)
+        if (!a->probe[k].global)
+            explain_probe(a, file, a->probe[k].text, &each[k]);
+}
+
+static void probe_rows(const arguments *a, const cli_file *file, double density, cli_writer *w) {
+    sp_probe asked[PROBES_MAX];
+    sp_probe_moduli measured[PROBES_MAX], each[PROBES_MAX];
+    sp_moduli m;
+    int32_t count = 0, at = 0;
+    for (int k = 0; k < a->probes; k++)
+        if (!a->probe[k].global)
+            asked[count++] = a->probe[k].probe;
+    w->status = sp_moduli_probe(&file->network, density, count, asked, &m, measured, w->err);
+    if (w->status != SP_OK)
+        return;
+    const bool space = file->packing.dim == 3;
+    const double along = space ? m.c33 : m.c22, shear = space ? m.c55 : m.c33;
+    for (int k = 0; k < a->probes; k++)
+        each[k] = a->probe[k].global ? (sp_probe_moduli){.along = along, .shear = shear} : measured[at++];
+    explain_probes(a, file, &m, each);
+    for (int k = 0; k < a->probes; k++) {
+        const double l = each[k].along, s = each[k].shear;
+        cli_put_text(w, file->path);
+        cli_put(w, file->packing.pressure);
+        if (a->probes > 1)
+            cli_put_text(w, a->probe[k].text);
+        cli_put(w, l, s, l / along, shear > 0 ? s / shear : NAN);
+        cli_end_row(w);
+    }
+}
+
+/* ---- --strain: at a finite strain -------------------------------------------------------------------------------- */
+
+static void strained_row(const cli_file *file, double strain, const sp_finite_strain *s, cli_writer *w) {
+    cli_put_text(w, file->path);
+    cli_put(w, file->packing.pressure, strain);
+    cli_put_quantities(w, sp_moduli_quantities, moduli_of(file->packing.dim), &s->moduli);
+    cli_put(w, s->sliding, s->lost, s->made, s->residual);
+    cli_end_row(w);
+}
+
+static void strained_rows(const arguments *a, const cli_file *file, cli_writer *w) {
+    const sp_packing *p = &file->packing;
+    for (int k = 0; k < a->strains && w->status == SP_OK; k++) {
+        sp_finite_strain_options o = sp_finite_strain_options_default();
+        sp_finite_strain s;
+        o.strain = a->strain[k];
+        w->status = sp_moduli_finite_strain(p, &file->network, NAN, &o, &s, w->err);
+        if (w->status != SP_OK)
+            return;
+        strained_row(file, o.strain, &s, w);
+        if (k == 0 && p->dim == 1)
+            cli_note(&a->common, "%s: a chain has only C22; the other moduli are nan", file->path);
+        if (k == 0 && no_shear(p->dim, &s.moduli))
+            cli_note(&a->common, "%s: shear moduli are nan: walls without friction cannot shear a packing", file->path);
+        cli_debug(&a->common, "%s: strain %g: %d solves, %d factorisations", file->path, o.strain, s.solves, s.factors);
+    }
+}
+
+/* ---- the table --------------------------------------------------------------------------------------------------- */
+
+static bool has_probes(const arguments *a) { return a->probes > 1 || (a->probes == 1 && !a->probe[0].global); }
+
+static void add_columns(const arguments *a, int dim, cli_writer *w) {
+    cli_columns(w, SP_COLUMN_TEXT, "file", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "p", "E*", NULL);
+    if (a->strains > 0) {
+        cli_columns(w, SP_COLUMN_NUMBER, "strain", "", NULL);
+        cli_quantity_columns(w, sp_moduli_quantities, moduli_of(dim));
+        cli_columns(w, SP_COLUMN_INTEGER, "sliding", "", "lost", "", "made", "", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, "residual", "", NULL);
+    } else if (has_probes(a)) {
+        if (a->probes > 1)
+            cli_columns(w, SP_COLUMN_TEXT, "probe", "", NULL);
+        cli_columns(w, SP_COLUMN_NUMBER, dim == 3 ? "C33" : "C22", "E*", dim == 3 ? "C55" : "C33", "E*",
+                    dim == 3 ? "C33_ratio" : "C22_ratio", "", dim == 3 ? "C55_ratio" : "C33_ratio", "", NULL);
+    } else {
+        cli_quantity_columns(w, sp_moduli_quantities, moduli_of(dim));
+        cli_quantity_columns(w, sp_moduli_quantities, "c_l c_t");
+        if (a->whole)
+            whole_columns(dim, w);
+    }
+}
+
+/* The first packing decides the columns. */
+static sp_status check_alike(const arguments *a, int dim, bool whole, sp_error *err) {
+    if (a->dim != 0 && (dim == 3) != (a->dim == 3))
+        return sp_fail(err, SP_EREFUSED,
+                       "a packing in %d dimensions after one in %d: their moduli have different names, so they must "
+                       "be in separate tables",
+                       dim, a->dim);
+    if (a->dim != 0 && whole != a->whole)
+        return sp_fail(err, SP_EREFUSED,
+                       "a packing %s a piston after one %s: the table of a periodic cell or a box has more columns, so "
+                       "they must be in separate tables",
+                       whole ? "without" : "with", whole ? "with" : "without");
+    return SP_OK;
+}
+
+static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
+    arguments *a = user;
+    const int dim = file->packing.dim;
+    const bool whole = dim > 1 && file->packing.cell != SP_CELL_PISTON;
+    sp_statics s;
+    w->status = sp_statics_make(&file->packing, file->scene->network.threshold, a->margin, &s, w->err);
+    CLI_THEN(w->status, check_alike(a, dim, whole, w->err));
+    if (w->status == SP_OK && a->dim == 0) {
+        a->whole = whole;
+        a->dim = dim;
+        add_columns(a, dim, w);
+    }
+    if (w->status != SP_OK)
+        return w->status;
+    if (a->strains > 0)
+        strained_rows(a, file, w);
+    else if (has_probes(a))
+        probe_rows(a, file, s.phi3s, w);
+    else
+        global_row(a, file, w);
+    return w->status;
+}
+
+int cmd_moduli(int argc, char **argv) {
+    static const cli_files command = {CLI_OF_NETWORK, .add = add_rows};
+    arguments a = {.margin = 3};
+    cli_parse(&cmd_moduli_syntax, argc, argv, &a);
+    return cli_run_files(&command, &a);
+}
