@@ -49,8 +49,9 @@ def styled(draw: _F) -> _F:
     @functools.wraps(draw)
     def with_style(*given: Any, **words: Any) -> Any:
         with matplotlib.style.context(STYLE):
-            drawn = draw(*given, **words)
-            for ax in np.ravel(np.asarray(drawn, object)) if not isinstance(drawn, Iterator) else ():
+            drawn: Any = draw(*given, **words)
+            axes: Any = np.ravel(np.asarray(drawn, object))
+            for ax in axes if not isinstance(drawn, Iterator) else ():
                 label_decades(ax)
             return drawn
     return with_style  # type: ignore[return-value]
@@ -98,10 +99,11 @@ def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0
     """Axes [rows, columns] of a new figure, or those given as `ax`. aspect: height of a panel over its width. width: of
     the figure [in]; a print column for each column of panels. words: of Figure.subplots, such as sharex."""
     if ax is not None:
-        given = np.atleast_1d(np.asarray(ax, object))
+        given: npt.NDArray[Any] = np.atleast_1d(np.asarray(ax, object))
         if given.size != rows * columns:
             raise invalid("ax", f"{given.size} Axes: this figure has {rows * columns} panels")
-        return given.reshape(rows, columns)
+        shaped: npt.NDArray[Any] = given.reshape(rows, columns)
+        return shaped
     width = width or WIDTH * columns
     fig = new_figure((width, width / columns * aspect * rows))
     axes: npt.NDArray[Any] = fig.subplots(rows, columns, squeeze=False, **words)
@@ -113,7 +115,7 @@ def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0
 def column_of_panels(rows: int, ax: Any, aspect: float) -> npt.NDArray[Any]:
     """Axes [rows] one above the other, with their letters above the frames, where they hide no data."""
     axes: npt.NDArray[Any] = panels(rows, 1, ax=ax, aspect=aspect)[:, 0]
-    for one, letter in zip(axes if rows > 1 else (), "abcd"):
+    for one, letter in zip(list(axes) if rows > 1 else [], "abcd"):
         one.annotate(f"({letter})", (0, 1), (0, 3), "axes fraction", "offset points", fontsize=7, gid="letter")
     return axes
 

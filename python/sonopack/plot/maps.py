@@ -43,7 +43,7 @@ def ridge(values: Floats, steep: float = STEEP) -> Integers:
 def _edges(middles: Floats) -> Floats:
     """Edges of cells around values."""
     if len(middles) == 1:
-        return middles[0] * np.array([0.5, 1.5])
+        return np.array([0.5, 1.5]) * float(middles[0])
     half = 0.5 * np.diff(middles)
     return np.concatenate([[middles[0] - half[0]], middles[:-1] + half, [middles[-1] + half[-1]]])
 
