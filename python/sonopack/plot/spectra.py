@@ -114,7 +114,8 @@ def _curve(ax: Axes, one: Input, j: int, name: str, style: Style, *, grains: boo
     words = {"color": ink(j + 1), "label": name or None, "ls": dash(j) if style.line else "none",
              "lw": 0.6 if style.marks else 0.9}
     error = one.optional(style.error) if style.error else None
-    if error is None or not np.nanmax(error, initial=0) > 1e-4 * np.nanmax(np.abs(value)):  # smaller ones, as of rounding, would be caps without bars
+    if error is None or not np.nanmax(error, initial=0) > 1e-4 * np.nanmax(np.abs(value)):
+        # smaller ones, as of rounding, would be caps without bars
         ax.plot(omega, value, marker=mark(j % 4) if style.marks else "", **words)
         return
     low, high = _ends(one, value, error)

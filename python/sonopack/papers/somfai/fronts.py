@@ -285,12 +285,11 @@ def _panel(k: int, systems: Sequence[Scaling]) -> Panel:
     main, small = [], []
     for s, look in zip(systems, _LOOKS):
         plain = look["label"] == "chain, equal balls"
-        words: dict[str, Any] = {**look, "width": 0.8}
         # the panel above has the legend
-        main.append(Curve(s.middle, s.local, **(words | {"label": "" if k else look["label"]}),
-                          error=None if plain else s.local_err))
-        small.append(Curve(s.distance, s.value / s.value[0], **(words | {"label": ""}),
-                           error=None if plain else s.err / s.value[0]))
+        words: dict[str, Any] = {**look, "width": 0.8, "label": "" if k else look["label"]}
+        main.append(Curve(s.middle, s.local, **words, error=None if plain else s.local_err))
+        words["label"] = ""
+        small.append(Curve(s.distance, s.value / s.value[0], **words, error=None if plain else s.err / s.value[0]))
     inset = Panel(small, "|L| [|d|]", _AXES[k][0], log="xy")
     return Panel(main, "distance |L| [|d|]", _AXES[k][1], tag=("(a)", "(b)")[k], log="x", x=(3, 1000), y=(0, None),
                  inset=inset)
