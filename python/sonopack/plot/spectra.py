@@ -236,7 +236,8 @@ def _waves(ax: Axes, given: Sequence[Input]) -> list[Any]:
     """The legend names the polarizations; the marks of the second table are hollow."""
     entries = []
     for j, one in enumerate(given):
-        k, peak, width = one.column("k", _HINT), one.column("peak", _HINT), one.optional("half_width")
+        k, peak, width = one.column("k", _HINT), one.column("peak", _HINT), one.not_negative("half_width")
+        one.not_negative("peak")
         for q, word in enumerate(POLARIZATIONS):
             mine = (one.table["polarization"] == word) & np.isfinite(k) & np.isfinite(peak)
             if not mine.any():
