@@ -25,6 +25,7 @@ from . import contacts, finish, forms, grains, lammps, law, vtk, whole, xyz
 from ._faults import bad_file, bad_option
 from .export import Export, beside
 from .options import SAID, Options, keys_of, read_key
+from .sheet import is_packed
 from .work import Report, Work
 
 #: endings of files that save() writes, and the names of their forms
@@ -129,7 +130,10 @@ def _read_files(path: str, o: Options, form: str) -> Work:
 
 def is_foreign(path: str) -> bool:
     """Whether a file that exists is one of another program, by its content."""
-    return os.path.isfile(path) and forms.form_of(path) not in ("auto", "ours")
+    form = forms.form_of(path) if os.path.isfile(path) else "auto"
+    if form == "ours" and is_packed(path):
+        raise bad_file(f"{path}: is packed by gzip; must be unpacked (gunzip), as .txt and .h5 are not read otherwise")
+    return form not in ("auto", "ours")
 
 
 def series(path: Path, **words: Any) -> Iterator[Packing]:
@@ -165,10 +169,8 @@ def form_for(path: str) -> str | None:
 
 def files_for(form: str, path: str) -> list[str]:
     """The files that save() writes, the first of which is `path`."""
-    plain = path.removesuffix(".gz")
-    csv = [plain, beside(plain, "-contacts.csv"), beside(plain, "-packing.csv")]
-    names = vtk.files_of(plain) if form == "vtp" else csv if form == "csv" else [plain]
-    return [name + path[len(plain):] for name in names]
+    csv = [path, beside(path, "-contacts.csv"), beside(path, "-packing.csv")]
+    return vtk.files_of(path) if form == "vtp" else csv if form == "csv" else [path]
 
 
 def save(packing: Packing, path: Path, *, form: str | None = None, si: bool = False, displacement: Floats | None = None,
@@ -178,6 +180,8 @@ def save(packing: Packing, path: Path, *, form: str | None = None, si: bool = Fa
     [n][3] are listed as they are."""
     name = os.fspath(path)
     form, plain = form or form_for(name), name.removesuffix(".gz")
+    if form is None and plain != name and os.path.splitext(plain)[1] in (".txt", ".h5", ".hdf5"):
+        raise bad_option(f"{name}: {os.path.splitext(plain)[1]} takes no .gz, as packings in it are not read packed")
     if form is None or form not in ENDINGS.values():
         raise bad_option(f"{name}: the ending of a packing must be .h5, .txt or {', '.join(ENDINGS)}")
     if si and not packing.material.young > 0:

@@ -205,6 +205,8 @@ def _ending_of(a: argparse.Namespace, path: str) -> str:
     if a.to is not None or own in (".h5", ".txt", ".pvd"):
         return own if a.to is None else _KINDS[a.to]
     form = formats.form_for(path)
+    if form is None and re.search(r"\.(h5|hdf5|txt)\.gz$", path):
+        raise usage(f"{path}: takes no .gz, as packings in .h5 and .txt are not read packed; must end in .h5 or .txt")
     if form is None:
         raise usage(f"{path}: its ending must be {_ENDINGS}; or use --to")
     return _KINDS[form]

@@ -57,8 +57,9 @@ def rows_of(columns: list[Any], first: str = "") -> bytes:
 
 
 def beside(path: str, suffix: str) -> str:
-    """NAME + suffix for NAME.ending."""
-    return os.path.splitext(path)[0] + suffix
+    """NAME + suffix for NAME.ending, NAME + suffix + .gz for NAME.ending.gz."""
+    plain = path.removesuffix(".gz")
+    return os.path.splitext(plain)[0] + suffix + path[len(plain):]
 
 
 class Export:

@@ -178,7 +178,8 @@ def _check_grains(w: Work) -> None:
 def _fail_digits(w: Work, mean: float) -> None:
     """How many digits coordinates need for overlaps within a thousandth."""
     largest = float(np.abs(w.x[:, :w.dim]).max())
-    digits = min(17, math.ceil(math.log10(largest / (1e-3 * mean))) + 1)
+    ratio = largest / mean if mean > 0 else math.inf
+    digits = min(17, math.ceil(math.log10(1e3 * ratio)) + 1) if ratio < 1e15 else 17
     own = w.grains.digits([w.roles.need(w.grains, "x")[0]])
     raise refused(f"{w.path}: positions have {own} digits, which makes overlaps of {mean:.3g} d wrong by {w.place:.3g} "
                   f"d; {digits} digits are needed (LAMMPS: dump_modify ID format float %.17g), or contacts with their "

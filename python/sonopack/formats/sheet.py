@@ -22,6 +22,7 @@ from ._faults import bad_file, bad_option, unreadable
 Mask = npt.NDArray[np.bool_]
 
 _MOST_COLUMNS = 128
+_GZIP = b"\x1f\x8b"
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.A)
 _COMMENT = re.compile(rb"^[ \t]*#[^\n]*", re.M)
 _SAMPLED = 20000  # rows of which digits are counted, where a file has more
@@ -35,11 +36,17 @@ def load(path: str, limit: int = -1) -> bytes:
             if stat.S_ISDIR(os.fstat(handle).st_mode):
                 raise IsADirectoryError(21, "Is a directory")
             os.set_blocking(handle, True)
-            return gzip.open(file).read(limit) if file.peek(2)[:2] == b"\x1f\x8b" else file.read(limit)
+            return gzip.open(file).read(limit) if file.peek(2)[:2] == _GZIP else file.read(limit)
     except (EOFError, zlib.error, gzip.BadGzipFile) as fault:
         raise bad_file(f"{path}: is damaged or cut, as gzip finds: {fault}") from None
     except OSError as fault:
         raise unreadable(path, fault) from None
+
+
+def is_packed(path: str) -> bool:
+    """Whether a file is in gzip's form."""
+    with open(path, "rb") as file:
+        return file.read(2) == _GZIP
 
 
 def text_of(path: str) -> bytes:

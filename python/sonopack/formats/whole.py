@@ -2,9 +2,11 @@
 sonopack writes it."""
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import io
 import os
+import pickle
 from typing import Any
 
 import numpy as np
@@ -160,16 +162,40 @@ def write_mat(e: Export) -> bytes:
 
 
 def _read_mat(path: str) -> _Whole:
-    import scipy.io
-    data = load(path)
-    try:
-        found = scipy.io.loadmat(io.BytesIO(data), squeeze_me=False, chars_as_strings=True)
-    except Exception as fault:  # scipy raises whatever a damaged file leads to
-        raise bad_file(f"{path}: is damaged or cut: {type(fault).__name__}: {fault}") from None
+    found = _load_mat(path)
     grains, contacts = ({name: found[part][0, 0][name].reshape(-1) for name in found[part].dtype.names}
                         for part in ("grains", "contacts"))
     return _Whole(grains, contacts, _plain_head({"cell": "piston", "tilt": [0.0] * 3, "gravity": 0.0} | {
         key: value.reshape(-1) for key, value in found.items() if isinstance(value, np.ndarray)}))
+
+
+def _load_mat(path: str) -> dict[str, Any]:
+    """The variables of a file. scipy's reader trusts the tags of a damaged one, of which it may die: a child reads."""
+    import scipy.io  # here, so that the child has it
+    data = load(path)
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            with os.fdopen(writing, "wb") as file:
+                try:
+                    found: Any = scipy.io.loadmat(io.BytesIO(data), squeeze_me=False, chars_as_strings=True)
+                except Exception as fault:  # scipy raises whatever a damaged file leads to
+                    found = f"{type(fault).__name__}: {fault}"
+                pickle.dump(found, file, 5)
+        finally:
+            os._exit(0)
+    os.close(writing)
+    try:
+        with os.fdopen(reading, "rb") as file:
+            found = pickle.load(file)
+    except (EOFError, pickle.UnpicklingError):
+        found = "its tags do not fit its size"
+    with contextlib.suppress(ChildProcessError):  # where a program ignores its children, nobody waits for them
+        os.waitpid(child, 0)
+    if isinstance(found, str):
+        raise bad_file(f"{path}: is damaged or cut: {found}")
+    return dict(found)
 
 
 # ---- CSV ------------------------------------------------------------------------------------------------------------

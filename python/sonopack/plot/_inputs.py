@@ -21,6 +21,8 @@ from .._signal import Signal
 from .._table import Table, material_of
 from ._units import PRESSURE, is_ours, number, plain, refuse, same_unit, unit_text
 
+LARGEST = 1e300  # of values in a table: axes around larger ones overflow
+
 
 class Input:
     """One thing to draw from, read when it is needed: a file, or a Packing, Signal, Table, DataFrame, structured array or
@@ -55,6 +57,11 @@ class Input:
     def table(self) -> Table:
         """The table, in SI where that is asked for."""
         table = self.raw_table
+        for name in (name for name in table.names if table[name].dtype.kind == "f"):
+            huge = np.flatnonzero(np.isfinite(table[name]) & (np.abs(table[name]) > LARGEST))
+            if len(huge):
+                raise refuse(self.name, f"row {huge[0] + 1}, {name} = {table[name][huge[0]]:g}: must be within "
+                                        f"{LARGEST:g}")
         ours = self.material is not None and any(map(is_ours, table.units.values()))
         return table.si(self.material) if ours else table
 
@@ -84,10 +91,14 @@ class Input:
 
     def errors(self, name: str) -> Floats | None:
         """The standard errors of a column, None without them."""
-        values = self.optional(f"{name}_err")
+        return self.not_negative(f"{name}_err")
+
+    def not_negative(self, name: str) -> Floats | None:
+        """A column of numbers of 0 or more, None without one."""
+        values = self.optional(name)
         if values is not None and np.any(values < 0):
             row = int(np.argmax(values < 0))
-            raise refuse(self.name, f"row {row + 1}, {name}_err = {values[row]:g}: must be a number >= 0, or nan")
+            raise refuse(self.name, f"row {row + 1}, {name} = {values[row]:g}: must be a number >= 0, or nan")
         return values
 
     def number(self, key: str) -> float:

@@ -50,7 +50,8 @@ class Motion:
     @functools.cached_property
     def lengths(self) -> Floats:
         """Of the translations [n]."""
-        return np.linalg.norm(self.moves, axis=1)
+        lengths: Floats = np.linalg.norm(self.moves, axis=1)
+        return lengths
 
     @functools.cached_property
     def turns(self) -> Floats:
@@ -238,7 +239,10 @@ def _field(one: Input, network: Network) -> Floats:
     if len(wrong):
         raise refuse(one.name, f"row {wrong[0] + 1} is of grain {table['grain'][wrong[0]]}, must be "
                                f"{network.grain[wrong[0]]}")
-    u = np.stack([table[name].astype(float) for name in components(network)], axis=1)
+    for name in components(network):
+        if table[name].dtype.kind not in "fiu":
+            raise refuse(one.name, f"column {name} holds text: must be numbers")
+    u: Floats = np.stack([table[name].astype(float) for name in components(network)], axis=1)
     for row, a in np.argwhere(~np.isfinite(u))[:1]:
         raise refuse(one.name, f"{components(network)[a]} of grain {network.grain[row]} is not a finite number")
     return u

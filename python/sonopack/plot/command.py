@@ -134,12 +134,12 @@ def _limits(option: str, text: str | None) -> tuple[float | None, float | None] 
     if not colon or len(text) < 2:
         raise usage(f"{option} {text:.60}: must be LO:HI, LO: or :HI")
     try:
-        limits = tuple(number(-1.8e308, 1.8e308)(part) if part else None for part in (low, high))
+        first, last = (number(-1.8e308, 1.8e308)(part) if part else None for part in (low, high))
     except argparse.ArgumentTypeError as fault:
         raise usage(f"{option} {fault}") from None
-    if None not in limits and limits[0] >= limits[1]:
+    if first is not None and last is not None and first >= last:
         raise usage(f"{option} {text:.60}: is an empty range, the first limit must be below the second")
-    return limits
+    return first, last
 
 
 # ---- numbers and materials ------------------------------------------------------------------------------------------

@@ -43,7 +43,7 @@ def ridge(values: Floats, steep: float = STEEP) -> Integers:
 def _edges(middles: Floats) -> Floats:
     """Edges of cells around values."""
     if len(middles) == 1:
-        return middles[0] * np.array([0.5, 1.5])
+        return np.array([0.5, 1.5]) * float(middles[0])
     half = 0.5 * np.diff(middles)
     return np.concatenate([[middles[0] - half[0]], middles[:-1] + half, [middles[-1] + half[-1]]])
 
@@ -145,6 +145,10 @@ def _spectrum(one: Input, trace: Trace) -> tuple[Floats, Floats, Floats]:
         raise refuse(one.name, "a spectrogram needs finite values at equally spaced times")
     if not np.ptp(f) > 0:
         raise refuse(one.name, "nothing to draw: the signal is constant")
+    size = float(np.abs(f).max())
+    if not 1e-150 < size < 1e150:
+        raise refuse(one.name, f"the largest value of the signal is {size:g}: its square must be a number, within 1e-150 "
+                               "to 1e150")
     length = max(16, len(t) // 8)
     frequency, times, power = scipy.signal.spectrogram(
         f, 1 / step.mean(), window="hann", nperseg=length, noverlap=length - max(1, length // 16), nfft=4 * length,

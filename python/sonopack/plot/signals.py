@@ -248,7 +248,7 @@ def _check_units(traces: Sequence[Trace], attribute: str, symbol: str) -> None:
 
 def _shared(traces: Sequence[Trace], attribute: str) -> str:
     """The unit that all signals have; "" if that of one is unknown."""
-    units = [getattr(trace, attribute) for trace in traces]
+    units: list[str] = [getattr(trace, attribute) for trace in traces]
     return units[0] if all(units) else ""
 
 

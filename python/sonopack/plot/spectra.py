@@ -114,8 +114,8 @@ def _curve(ax: Axes, one: Input, j: int, name: str, style: Style, *, grains: boo
     words = {"color": ink(j + 1), "label": name or None, "ls": dash(j) if style.line else "none",
              "lw": 0.6 if style.marks else 0.9}
     error = one.optional(style.error) if style.error else None
-    barred = error is not None and np.nanmax(error, initial=0) > 1e-4 * np.nanmax(np.abs(value))
-    if not barred:  # smaller ones, as of rounding, would be caps without bars
+    if error is None or not np.nanmax(error, initial=0) > 1e-4 * np.nanmax(np.abs(value)):
+        # smaller ones, as of rounding, would be caps without bars
         ax.plot(omega, value, marker=mark(j % 4) if style.marks else "", **words)
         return
     low, high = _ends(one, value, error)
@@ -236,7 +236,8 @@ def _waves(ax: Axes, given: Sequence[Input]) -> list[Any]:
     """The legend names the polarizations; the marks of the second table are hollow."""
     entries = []
     for j, one in enumerate(given):
-        k, peak, width = one.column("k", _HINT), one.column("peak", _HINT), one.optional("half_width")
+        k, peak, width = one.column("k", _HINT), one.column("peak", _HINT), one.not_negative("half_width")
+        one.not_negative("peak")
         for q, word in enumerate(POLARIZATIONS):
             mine = (one.table["polarization"] == word) & np.isfinite(k) & np.isfinite(peak)
             if not mine.any():

@@ -134,7 +134,7 @@ def pareto(given: Sequence[Input], *, ax: Axes | None = None, case: str | None =
     if not {"case", "method", "seconds", "error"} <= set(one.table):
         raise refuse(one.name, "the table lacks one of the columns case, method, seconds, error of a bench")
     cases, methods = (one.table[name].astype(str) for name in ("case", "method"))
-    chosen = case or next(iter(cases), "")
+    chosen = case or str(next(iter(cases), ""))
     seconds, error = one.column("seconds"), np.maximum(one.column("error"), 1e-17)
     there = (cases == chosen) & (methods != "auto") & (seconds > 0) & np.isfinite(seconds + error)
     if not there.any():

@@ -161,7 +161,7 @@ def _trajectory(s: Tapped, ax: Any) -> Axes:
     t, shown, few = s.time(), _shown(s.particles), s.particles <= NAMED_MOST
     curves = [s.y(k) for k in shown] + ([s["y0"]] if "y0" in s else [])
     s.check_any("position", *curves)
-    low, high = min(np.nanmin(y) for y in curves), max(np.nanmax(y) for y in curves)
+    low, high = min(float(np.nanmin(y)) for y in curves), max(float(np.nanmax(y)) for y in curves)
     range_ = high - low if high > low else 1.0
     ax = panels(ax=ax, aspect=0.85)[0, 0]
     between = ", " if shown.step == 1 else f", $y_{{{shown[min(1, len(shown) - 1)]}}}$ "
@@ -252,9 +252,9 @@ def _profile_rows(s: Tapped, t: Floats) -> list[tuple[int, int]]:
 
 # ---- tap by tap -----------------------------------------------------------------------------------------------------
 
-def _taps_axis(axes: Sequence[Axes], s: Tapped, taps: Floats) -> None:
+def _taps_axis(axes: Any, s: Tapped, taps: Floats) -> None:
     """The same limits for all panels; points at whole taps stay clear of the frame."""
-    low, high = np.nanmin(taps), np.nanmax(taps)
+    low, high = float(np.nanmin(taps)), float(np.nanmax(taps))
     margin = max(0.04 * (high - low), min(0.5, 0.08 * (high - low))) or 0.5
     for ax in axes:
         ax.set_xlim(low - margin, high + margin)
@@ -323,9 +323,9 @@ def _diagram(bifurcation: Tapped | None, lyapunov: Tapped | None, column: str, a
     parameters = [s["parameter"] for s in given]
     low, high = min(x.min() for x in parameters), max(x.max() for x in parameters)
     axes, margin = column_of_panels(len(given), ax, 0.66 if len(given) > 1 else 0.75), 0.015 * (high - low)
-    for one, s, x in zip(axes, given, parameters):
-        (_bifurcation if s is bifurcation else _exponents)(one, s, x, column)
-        one.set(xlim=(low - margin, high + margin), xlabel=given[0].parameter())
+    for panel, one, x in zip(axes, given, parameters):
+        (_bifurcation if one is bifurcation else _exponents)(panel, one, x, column)
+        panel.set(xlim=(low - margin, high + margin), xlabel=given[0].parameter())
     if not low < high:
         raise refuse(given[0].one.name, f"nothing to draw: only one value of the parameter, {low:g}; must be two or more")
     notes = [one.violated() for one in given]
@@ -447,7 +447,8 @@ def _light(t: Floats, y: Floats) -> Floats:
     """The steeper a cell falls with time, the darker. Flat cells keep the colour of the scale."""
     rise = np.diff(y, axis=0) / ((np.nanmax(y) - np.nanmin(y)) or 1)
     run = np.diff(t)[:, None] / (t[-1] - t[0])
-    return 1 - 0.17 * np.tanh(0.5 * np.maximum(0, -np.nan_to_num(rise / run)))
+    shade: Floats = 1 - 0.17 * np.tanh(0.5 * np.maximum(0, -np.nan_to_num(rise / run)))
+    return shade
 
 
 def _same_limits(axes: Sequence[Any], faces: Sequence[Any], tables: Sequence[Tapped]) -> None:

@@ -18,7 +18,7 @@ def _positive(values: Floats) -> Floats:
     return np.where(np.isfinite(values) & (values > 0), values, np.nan)
 
 
-def _finish(axes: Sequence[Axes], x: Floats, x_label: str, y_labels: Sequence[str]) -> Any:
+def _finish(axes: Any, x: Floats, x_label: str, y_labels: Sequence[str]) -> Any:
     """Labels, and one logarithmic range for all panels."""
     for ax, text in zip(axes, y_labels):
         ax.set(xscale="log", xlim=(0.8 * np.nanmin(x), 1.25 * np.nanmax(x)), xlabel=x_label, ylabel=text)
@@ -37,8 +37,8 @@ def wave(given: Sequence[Input], *, ax: Any = None) -> Any:
     axes = column_of_panels(2, ax, 0.62)
     lines = []
     for j, (one, name, (k, speed, alpha)) in enumerate(zip(given, names(given), read)):
-        error = one.errors("alpha")
-        error = np.zeros(len(k)) if error is None else error
+        known = one.errors("alpha")
+        error = np.zeros(len(k)) if known is None else known
         k, alpha = _positive(k), np.where(alpha < error, np.nan, _positive(alpha))
         points(axes[0], k, speed, one.errors("speed"), label=name or None, **sets(j))
         points(axes[1], k, alpha, error, **sets(j))

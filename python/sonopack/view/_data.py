@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 from collections.abc import Callable, Mapping
 from typing import Any
 
@@ -80,10 +81,11 @@ def _pressures(packing: Packing) -> Floats:
     2D that of a layer one d thick, in 1D of a bar of section d^2."""
     c, r, dim = packing.contacts, packing.r, packing.dim
     volume = {1: 2 * r, 2: np.pi * r**2, 3: 4 / 3 * np.pi * r**3}[dim]
-    total = np.bincount(c["i"], c["fn"] * r[c["i"]], packing.n)
+    total: Any = np.bincount(c["i"], c["fn"] * r[c["i"]], packing.n)
     pair = c["j"] >= 0
     total += np.bincount(c["j"][pair], (c["fn"] * r[c["j"]])[pair], packing.n)
-    return total / (dim * volume)  # type: ignore[no-any-return]
+    pressures: Floats = total / (dim * volume)
+    return pressures
 
 
 def _images(packing: Packing, reach: Floats) -> Any:
@@ -111,10 +113,14 @@ def _motion(packing: Packing, choice: Choice, missing: Tell) -> dict[str, Any]:
             parts = {"dof": network.dof, "grain": np.array(network.grain, np.int32), **parts}
         except SonopackError as fault:
             reason = fault
+
+    def make_there(make: Callable[..., dict[str, Any]]) -> dict[str, Any]:
+        return make(_there(network, reason), choice, missing)
+
     for key, wanted, needed, make in (("modes", choice.modes is not False, choice.modes is not None, _modes),
                                       ("wave", choice.frames is not False, choice.needs_wave, _wave)):
         if wanted:
-            parts[key] = _part(lambda make=make: make(_there(network, reason), choice, missing), needed, missing)
+            parts[key] = _part(functools.partial(make_there, make), needed, missing)
     return parts
 
 
@@ -161,8 +167,8 @@ def _chosen(network: Network, choice: Choice, first: int, last: int) -> tuple[Mo
     modes = network.modes(source=source, threads=threads)
     count = modes.n - modes.n_zero
     if count == 0 or first >= count or (choice.modes is not None and last >= count):
-        kind = _core.invalid if count else lambda _, text: _core.Refused(text, Status.EREFUSED)
-        raise kind("", f"modes {first} to {last}: there are only {count} modes that are no zero modes")
+        text = f"modes {first} to {last}: there are only {count} modes that are no zero modes"
+        raise _core.invalid("", text) if count else _core.Refused(text, Status.EREFUSED)
     return modes, modes.n_zero + first
 
 

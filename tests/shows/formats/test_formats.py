@@ -1,6 +1,9 @@
 """Files of other programs in Python: round trips of every form, frames, gzip, refusals, and the predecessor's numbers."""
 import gzip
 import math
+import os
+import pathlib
+import signal
 
 import numpy as np
 import pytest
@@ -102,13 +105,38 @@ def test_grains_come_back(packings, tmp_path, ending):
         assert np.allclose(back.contacts["fn"], p.contacts["fn"], rtol=1e-7)
 
 
-@pytest.mark.parametrize("name", ["p.vtp", "p.xyz", "p.dump", "p.data", "p.mat"])
+@pytest.mark.parametrize("name", ["p.vtp", "p.xyz", "p.dump", "p.data", "p.mat", "p.csv"])
 def test_gzip(layer, tmp_path, name):
     layer.save(tmp_path / name)
     layer.save(tmp_path / f"{name}.gz")
     assert gzip.open(tmp_path / f"{name}.gz").read() == (tmp_path / name).read_bytes()
-    if name == "p.xyz":
-        same(Packing.read(tmp_path / "p.xyz.gz"), Packing.read(tmp_path / "p.xyz"))
+    packed = formats.files_for(formats.form_for(name), str(tmp_path / f"{name}.gz"))
+    assert all(pathlib.Path(file).is_file() for file in packed)
+    if name not in ("p.dump", "p.data"):
+        plain = Packing.read(tmp_path / name)
+        for file in formats.files_for(formats.form_for(name), str(tmp_path / name)):
+            pathlib.Path(file).unlink()  # what lies beside a packed file is packed too
+        same(Packing.read(tmp_path / f"{name}.gz"), plain)
+
+
+@pytest.mark.parametrize("name", ["p.h5", "p.txt"])
+def test_own_files_are_not_packed(layer, tmp_path, name):
+    layer.save(tmp_path / name)
+    (tmp_path / f"{name}.gz").write_bytes(gzip.compress((tmp_path / name).read_bytes()))
+    with pytest.raises(SonopackError, match=f"{name}.gz: is packed by gzip; must be unpacked"):
+        Packing.read(tmp_path / f"{name}.gz")
+    with pytest.raises(SonopackError, match=f"other-{name}.gz: .* takes no .gz"):
+        layer.save(tmp_path / f"other-{name}.gz")
+
+
+def test_death_of_a_reader(layer, tmp_path, monkeypatch):
+    """scipy's reader of MAT-files may die of a damaged one."""
+    import scipy.io
+    layer.save(tmp_path / "p.mat")
+    for die in (lambda *_, **__: os.kill(os.getpid(), signal.SIGKILL), lambda *_, **__: os._exit(0)):
+        monkeypatch.setattr(scipy.io, "loadmat", die)
+        with pytest.raises(SonopackError, match="p.mat: is damaged or cut: its tags do not fit its size"):
+            Packing.read(tmp_path / "p.mat")
 
 
 def test_same_bytes_on_every_run(layer, tmp_path):

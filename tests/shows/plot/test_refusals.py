@@ -6,7 +6,7 @@ import sonopack
 from sonopack import SonopackError, Status
 from sonopack.plot import command
 from sonopack.plot._inputs import Input
-from sonopack.plot._motion import find_mode
+from sonopack.plot._motion import find_mode, find_snapshots
 
 from test_command import GLASS, SIGNAL, SPEEDS
 
@@ -29,6 +29,12 @@ COLUMNS = {
     "nan.tsv": {"contact": [0], "by_kn": [np.nan]}, "zero.tsv": {"contact": [0], "by_kn": [0.0]},
     "k.tsv": {"contact": [10**6], "by_kn": [1.0]},
     "short.tsv": {"t": [0.0, 1.0], "F": [0.0, 1.0]},
+    "huge.tsv": {"t": [0.0, 1.0, 2.0], "F": [0.0, 1e308, -1e308]},
+    "loud.tsv": {"t": np.arange(100.0), "F": 1e200 * np.sin(np.arange(100.0))},
+    "soft.tsv": {"t": np.arange(100.0), "F": 1e-200 * np.sin(np.arange(100.0))},
+    "below.tsv": {"polarization": ["longitudinal"] * 2, "k": [1.0, 2.0], "peak": [1.0, -1.0]},
+    "width.tsv": {"polarization": ["longitudinal"], "k": [1.0], "peak": [1.0], "half_width": [-1.0]},
+    "far_modes.tsv": {"n": [1e308] * 80, "omega": np.arange(80.0)},
     "gap.tsv": {"t": [*range(99), 200.0], "F": np.arange(100.0)},
     "still.tsv": {"t": np.arange(100.0), "F": np.ones(100)},
     "dull.tsv": {"angle": [0.0, 0.0], "all": [1.0, 1.0]},
@@ -53,6 +59,9 @@ def folder(tmp_path_factory):
     flat.network().modes().save(tmp_path / "m.h5")
     for name, packing in (("mode.tsv", flat), ("other.tsv", made(seed=9))):
         find_mode([Input(packing)], None, None).table().save(tmp_path / name)
+    moved = find_snapshots([Input(flat)], None, None)[0].table().text("tsv").splitlines()
+    moved[-1] = "\t".join([*moved[-1].split("\t")[:4], "true", *moved[-1].split("\t")[5:]])
+    (tmp_path / "words.tsv").write_text("\n".join([*moved, ""]))
     return tmp_path
 
 
@@ -101,6 +110,12 @@ def folder(tmp_path_factory):
     ("snapshot p.h5 --frames 3 --from 9 --to 2 -o x.svg", 2, "--from 9"), ("network none.h5 -o x.svg", 1, "none.h5"),
     ("spectrogram short.tsv -o x.svg", 1, "64 or more"), ("spectrogram gap.tsv -o x.svg", 1, "equally spaced"),
     ("spectrogram still.tsv -o x.svg", 1, "constant"), ("dispersion skw.tsv -o x.svg", 1, "each pair of k and omega"),
+    ("signal huge.tsv -o x.svg", 1, "huge.tsv: row 2, F = 1e+308: must be within 1e+300"),
+    ("modes far_modes.tsv -o x.svg", 1, "row 1, n = 1e+308"),
+    ("spectrogram loud.tsv -o x.svg", 1, "must be a number, within"), ("spectrogram soft.tsv -o x.svg", 1, "must be a number, within"),
+    ("dispersion below.tsv -o x.svg", 1, "row 2, peak = -1: must be a number >= 0"),
+    ("dispersion width.tsv -o x.svg", 1, "row 1, half_width = -1"),
+    ("snapshot p.h5 words.tsv -o x.svg", 1, "column ux holds text"),
     # the tapped column
     ("column text.tsv -o x.svg", 1, "column y0 holds text"), ("column none.tsv -o x.svg", 1, "sonopack column"), ("column y0.tsv -o x.svg", 1, "no column y1"),
     ("column rho.tsv -o x.svg", 1, "must be equal numbers"), ("column work.tsv -o x.svg", 1, "no column dissipated"),

@@ -3,6 +3,7 @@ beside the lattice; and (35) and (37) as printed, growth rates and speeds of the
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -50,7 +51,8 @@ def _densities(work: Work, c: Column, strobe: Table) -> None:
 
 def _taps(work: Work, c: Column, energy: Table) -> None:
     for tap in range(energy.rows):
-        done, words = energy["work"][tap], {"tap": tap + 1, "n": c.particles, "detail": tap > 0}
+        done = energy["work"][tap]
+        words: dict[str, Any] = {"tap": tap + 1, "n": c.particles, "detail": tap > 0}
         error = abs(energy["residual"][tap]) * done
         add(work, "rest", energy["rest"][tap], **words)
         add(work, "work", done, error, **words)
@@ -225,7 +227,7 @@ def _refusals(work: Work) -> None:
 
 def _sheet(k: Floats, growth: Floats, squares: Floats) -> Sheet:
     labels = ("(35) as printed", "(37) as printed", "long wave here", "lattice")
-    looks = [{"ink": 1}, {"ink": 2, "dash": 1}, {"ink": 3}, {"ink": 0, "dash": 2}]
+    looks: list[dict[str, Any]] = [{"ink": 1}, {"ink": 2, "dash": 1}, {"ink": 3}, {"ink": 0, "dash": 2}]
     shown = np.where(growth > 0, growth, np.nan)  # a logarithmic axis cannot show others
     rates = [Curve(k, shown[j], labels[j], **looks[j]) for j in range(2)]
     speeds = [Curve(k, squares[j], labels[j] if j > 1 else "", **looks[j]) for j in range(4)]

@@ -208,9 +208,10 @@ def _force(c: Column, z: Floats) -> Floats:
     weight = np.where(np.arange(cells + 1) % 2, 4.0, 2.0)
     weight[[0, -1]] = 1
     off = (z[..., None] + y - 7 * h) / (3 * h)
-    integral = np.sum(weight * np.exp(-0.5 * off * off) * (h - np.abs(y)), axis=-1) * 2 * h / cells / 3 / (
+    integral: Floats = np.sum(weight * np.exp(-0.5 * off * off) * (h - np.abs(y)), axis=-1) * 2 * h / cells / 3 / (
         7 * h * math.sqrt(2 * math.pi))
-    return -GRAVITY - c.stiffness / c.mass() * integral
+    found: Floats = -GRAVITY - c.stiffness / c.mass() * integral
+    return found
 
 
 def _meeting(c: Column, until: float) -> float:
@@ -278,7 +279,8 @@ def _is_shorter(c: Column, period: int, x: Floats) -> bool:
 
 def _periods(work: Work) -> None:
     c = column(1, stiffness=stiff(100), amplitude=0.584)  # chaotic, see the item chaos
-    state, found = c.map(c.start(), 200)[0], set()
+    state = c.map(c.start(), 200)[0]
+    found: set[int] = set()
     for _ in range(STARTS):
         state, _ = c.map(state)
         for period in set(range(1, LONGEST + 1)) - found:
@@ -323,7 +325,8 @@ def _rate(c: Column, e: float, dz: float, y: Floats, v: Floats) -> Floats:
     tz, tzz = (v[3:-1] - v[1:-3]) / (2 * dz), (v[3:-1] - 2 * v[2:-2] + v[1:-3]) / (dz * dz)
     bracket = plus * zz / 3 - h / 3 * (b * z + e * alpha * plus * tz) * zz + h * h * (
         minus * zzzz / 36 + alpha * (2 * r * z * z * zz + e * b * z * zz * tz + e * plus * zz * tzz / 6))
-    return -GRAVITY - speed2(c) * bracket
+    found: Floats = -GRAVITY - speed2(c) * bracket
+    return found
 
 
 def _breakdown(cells: int, dz: float, dt: float, steps: int, e: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -220,7 +221,7 @@ def _unequal(work: SomfaiWork) -> None:
             time, perfect = t2.mean - t1.mean, lattice_small(work, bool(friction), p)
             speed = (h2.mean - h1.mean) / time
             error = speed * hypot(t1.err, t2.err) / time
-            words = {"samples": t2.n, "p": p, "reduced": reduced, "kind": kind}
+            words: dict[str, Any] = {"samples": t2.n, "p": p, "reduced": reduced, "kind": kind}
             work.claim("uneven-above" if reduced >= 1 else "uneven-below", speed / perfect, error / perfect, **words)
             if reduced >= 1:
                 z = _over(work, *where, HIGHER, "statics.zs")

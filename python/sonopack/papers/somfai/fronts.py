@@ -4,6 +4,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -271,10 +272,11 @@ def _equal(name: str, sign: int) -> Scaling:
     return _scaling([float(n) for n in balls], [getattr(chain_front(n), name) for n in balls], [0.0] * EXACT, sign)
 
 
-_LOOKS = ({"label": "2D packings", "mark": "o"}, {"label": "chain, equal balls", "dash": 1},
-          {"label": "chain, 1 ± 0.1", "mark": "s", "ink": 1, "open": True},
-          {"label": "chain, 1 ± 0.2", "mark": "^", "ink": 2, "open": True},
-          {"label": "chain, 1 ± 0.4", "mark": "D", "ink": 3, "open": True})
+_LOOKS: tuple[dict[str, Any], ...] = (
+    {"label": "2D packings", "mark": "o"}, {"label": "chain, equal balls", "dash": 1},
+    {"label": "chain, 1 ± 0.1", "mark": "s", "ink": 1, "open": True},
+    {"label": "chain, 1 ± 0.2", "mark": "^", "ink": 2, "open": True},
+    {"label": "chain, 1 ± 0.4", "mark": "D", "ink": 3, "open": True})
 _AXES = (("|A|/|A|_{1}", "|γ|_{eff} = −d log |A| / d log |L|"), ("|W|/|W|_{1}", "|α|_{eff} = d log |W| / d log |L|"))
 
 
@@ -283,12 +285,11 @@ def _panel(k: int, systems: Sequence[Scaling]) -> Panel:
     main, small = [], []
     for s, look in zip(systems, _LOOKS):
         plain = look["label"] == "chain, equal balls"
-        words = {**look, "width": 0.8}
         # the panel above has the legend
-        main.append(Curve(s.middle, s.local, **{**words, "label": "" if k else look["label"]},
-                          error=None if plain else s.local_err))
-        small.append(Curve(s.distance, s.value / s.value[0], **{**words, "label": ""},
-                           error=None if plain else s.err / s.value[0]))
+        words: dict[str, Any] = {**look, "width": 0.8, "label": "" if k else look["label"]}
+        main.append(Curve(s.middle, s.local, **words, error=None if plain else s.local_err))
+        words["label"] = ""
+        small.append(Curve(s.distance, s.value / s.value[0], **words, error=None if plain else s.err / s.value[0]))
     inset = Panel(small, "|L| [|d|]", _AXES[k][0], log="xy")
     return Panel(main, "distance |L| [|d|]", _AXES[k][1], tag=("(a)", "(b)")[k], log="x", x=(3, 1000), y=(0, None),
                  inset=inset)

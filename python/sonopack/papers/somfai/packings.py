@@ -147,7 +147,7 @@ def _spectrum(work: SomfaiWork, item: str, sample: Sample, network: Network, m: 
     begin = max(m.n_zero - 2, 0)
     lowest = slice(begin, begin + LOWEST)
 
-    def circles(y: np.ndarray, count: int = 6) -> Curve:
+    def circles(y: Floats, count: int = 6) -> Curve:
         return Curve(numbers[picked[:count]], y[picked[:count]], ink=2, dash=None, mark="o", open=True)
 
     inset = Panel([Curve(numbers[lowest], squares[lowest], dash=None, mark="s", open=True), circles(squares, 2),
@@ -168,7 +168,7 @@ def _spectrum(work: SomfaiWork, item: str, sample: Sample, network: Network, m: 
                    f"{m.omega[-1]:.3f}.")
 
 
-def _bodies(work: SomfaiWork, item: str, sample: Sample, network: Network) -> tuple[np.ndarray, np.ndarray]:
+def _bodies(work: SomfaiWork, item: str, sample: Sample, network: Network) -> tuple[Floats, Floats]:
     """Modes of an elastic strip with the moduli and density of the packing, each beside the most similar mode of the
     packing. None if the packing has no bulk."""
     if sample.statics is None or not sample.statics.phi3s > 0:
@@ -179,7 +179,7 @@ def _bodies(work: SomfaiWork, item: str, sample: Sample, network: Network) -> tu
                        f"{'fast' if row['fast'] else 'slow'} wave ({row['n1']}, {row['n2']}) of an elastic body with "
                        f"the same moduli between the same walls, omega = {row['omega_continuum']:.4f}, squared overlap "
                        f"{row['overlap']:.2f}.")
-    return rows["n"].astype(float), rows["omega_continuum"] ** 2
+    return rows["n"].astype(float), (rows["omega_continuum"] ** 2).astype(float)
 
 
 # ---- Fig. 10 --------------------------------------------------------------------------------------------------------

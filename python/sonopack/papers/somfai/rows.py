@@ -191,7 +191,7 @@ def families(rows: Sequence[Row]) -> list[Family]:
         ratios = [row.ours / row.paper - 1 for row in some]
         side = 1 if all(x > 0 for x in off) else -1 if all(x < 0 for x in off) else 0
         out.append(Family(item, quantity, len(off), side, total(off) / math.sqrt(len(off)) if off else math.nan,
-                          min(map(abs, off), default=math.inf), min(ratios, default=math.inf),
+                          min((abs(x) for x in off), default=math.inf), min(ratios, default=math.inf),
                           max(ratios, default=-math.inf)))
     return out
 

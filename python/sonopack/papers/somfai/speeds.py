@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 
@@ -92,7 +93,8 @@ def _front_speeds(work: SomfaiWork) -> Speeds:
     if not both:
         return Speeds.of([])
     table = Store(work.folder_of_store).table("ctof", samples=both)
-    return Speeds.of(list(zip(*(map(float, table[name]) for name in ("p", "c_tof", "c_tof_err")))))
+    p, c, err = (map(float, table[name]) for name in ("p", "c_tof", "c_tof_err"))
+    return Speeds.of(list(zip(p, c, err)))
 
 
 def _wave_speeds(work: SomfaiWork, name: str) -> Speeds:
@@ -131,7 +133,7 @@ def _eta(poisson: float) -> float:
     return 1 - poisson / (2 - poisson)
 
 
-def _guide(slope: float, y: float, label: str, **look: float) -> Curve:
+def _guide(slope: float, y: float, label: str, **look: Any) -> Curve:
     """A short line of given slope, as a guide to the eye."""
     low, high = 2e-7, 6e-6
     return Curve(np.array([low, high]), np.array([y, y * math.pow(high / low, slope)]), label, **look)
