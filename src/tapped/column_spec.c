@@ -132,3 +132,17 @@ sp_status sp_tapped_check(const sp_tapped_spec *c, sp_error *err) {
                            sp_number_text(stiffness, value), bound);
     return SP_OK;
 }
+
+sp_status sp_tapped_check_steps(const sp_tapped_spec *c, int64_t steps, int64_t most, double t, sp_error *err) {
+    enum { INTERVAL = 256 }; /* steps between two calls of the user */
+    if (steps % INTERVAL != 0)
+        return SP_OK;
+    if (c->stopped && c->stopped(c->user))
+        return sp_fail(err, SP_EINTERRUPTED, "stopped at t = %.6g s: nothing is written", t);
+    if (most > 0 && steps > most)
+        return sp_fail(err, SP_EFAILED,
+                       "t = %.6g s: more than %lld steps per tap; change column.time_step, column.stiffness or "
+                       "column.amplitude to allow longer steps",
+                       t, (long long)(most / sp_tapped_taps(c)));
+    return SP_OK;
+}
