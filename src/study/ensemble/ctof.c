@@ -4,7 +4,6 @@
 #include "ensemble/groups.h"
 #include "ensemble/speed.h"
 #include "numeric/statistics.h"
-#include "numeric/statistics.h"
 
 #include <math.h>
 
