@@ -17,7 +17,7 @@ ROWS = [
     ("C: the core", ["src/core"], {".c", ".h", ".inc"}, None, "packings, networks, signals, modes, moduli, spectra, sensitivities"),
     ("C: the tapped column", ["src/tapped"], {".c", ".h", ".inc"}, None, "the second model"),
     ("C: studies", ["src/study"], {".c", ".h", ".inc"}, None, "scenes, ensembles, stores"),
-    ("C: the command", ["src/app", "src/cli"], {".c", ".h", ".inc"}, None, "the commands that compute"),
+    ("C: the command", ["src/cli"], {".c", ".h", ".inc"}, None, "the commands that compute"),
     ("C: public headers", ["include"], {".h", ".inc"}, None, "the interface, documented"),
     ("**C in src and include**", ["src", "include"], {".c", ".h", ".inc"}, 60000, ""),
     ("Python: the library", ["python/sonopack/*.py", "python/*.py"], {".py"}, None, "the library as objects with arrays"),

@@ -3,45 +3,7 @@
 /* Packings in cells without a piston, made by hand: perfect lattices, and random packings without friction at rest, by
  * minimising the energy of Hertz's law in a fixed cell. */
 
-#include "packing/contact.h"
-#include "packing/geometry.h"
-#include "test.h"
-
-#include <sonopack/network.h>
-#include <sonopack/packing.h>
-
-/* Adds the contacts of all grains that overlap, and the pressure that they have. Few grains: all pairs. */
-static inline void cells_touch(sp_packing *p) {
-    double trace = 0;
-    free(p->contacts);
-    p->contacts = calloc((size_t)p->n * 20, sizeof *p->contacts);
-    p->n_contacts = 0;
-    for (int i = 0; i < p->n; i++)
-        for (int j = SP_BACK; j < p->n; j++) {
-            sp_contact c = {.i = i, .j = j};
-            double d[3] = {0}, r = 0;
-            if (j < 0 ? !sp_packing_has_wall(p, j) : j <= i)
-                continue;
-            if (j < 0)
-                d[sp_packing_wall_axis(p, j)] = sp_packing_wall_side(j) * sp_packing_wall_distance(p, i, j);
-            else
-                sp_packing_separation(p, i, j, d);
-            for (int a = 0; a < 3; a++)
-                r += d[a] * d[a];
-            r = sqrt(r);
-            c.overlap = p->r[i] + (j < 0 ? 0 : p->r[j]) - r;
-            if (!(c.overlap > 0))
-                continue;
-            for (int a = 0; a < 3; a++)
-                c.n[a] = d[a] / r;
-            c.fn = contact_force(contact_stiffness_in(p, i, j), c.overlap);
-            trace += c.fn * r;
-            assert_true(p->n_contacts < 20 * p->n);
-            p->contacts[p->n_contacts++] = c;
-        }
-    p->pressure = trace / (p->dim * sp_packing_volume(p));
-    sp_packing_sort(p);
-}
+#include "reference.h"
 
 /* ---- lattices --------------------------------------------------------------------------------------------------- */
 
@@ -80,7 +42,7 @@ static inline sp_packing cells_lattice(int dim, const double vectors[3][3], cons
         p.tilt[k] -= nearbyint(p.tilt[k] / p.box[0]) * p.box[0];
     for (int i = 0; i < p.n; i++)
         sp_packing_wrap(&p, p.x + 3 * (size_t)i);
-    cells_touch(&p);
+    add_contacts(&p);
     assert_ok(sp_packing_check(&p, &err));
     return p;
 }
@@ -93,7 +55,7 @@ static inline sp_packing cells_square(int columns, int rows, int lean, double ov
     p.tilt[0] = lean * (1 - overlap);
     for (int i = 0; i < p.n; i++)
         sp_packing_wrap(&p, p.x + 3 * (size_t)i);
-    cells_touch(&p);
+    add_contacts(&p);
     assert_ok(sp_packing_check(&p, &err));
     return p;
 }
@@ -147,7 +109,7 @@ static inline void cells_relax(sp_packing *p, double most) {
     int since = 0, step = 0;
     for (; step < 200000 && largest > most; step++) {
         double power = 0, vv = 0, ff = 0;
-        cells_touch(p);
+        add_contacts(p);
         cells_forces(p, f);
         largest = 0;
         for (int k = 0; k < n; k++) {
@@ -175,7 +137,7 @@ static inline void cells_relax(sp_packing *p, double most) {
         }
     }
     assert_true(largest <= most);
-    cells_touch(p);
+    add_contacts(p);
     free(f);
     free(v);
 }

@@ -35,6 +35,7 @@ MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.c
 DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py"}
 
 
+
 class Failed(SonopackError):
     """The work failed (exit status 1): a file or a value at fault, and what would be right."""
 

@@ -2,9 +2,6 @@
 #include "base/base.h"
 #include "tapped/bsr.h"
 
-/* ---- limits on a run ----------------------------------------------------------------------------------------------
- */
-
 static sp_status check_times(const sp_tapped_spec *c, int64_t n, const double *t, sp_error *err) {
     double last = c->taps * c->period, end = last * (1 + 1e-12);
     for (int64_t i = 0; i < n; i++)
@@ -14,8 +11,7 @@ static sp_status check_times(const sp_tapped_spec *c, int64_t n, const double *t
     return SP_OK;
 }
 
-/* ---- runs -----------------------------------------------------------------------------------------------------------
- */
+/* ---- runs ------------------------------------------------------------------------------------------------------- */
 
 static sp_tapped_solver *solver_of(const sp_tapped_spec *c) {
     switch (c->model) {
@@ -81,8 +77,7 @@ sp_status sp_tapped_run(const sp_tapped_spec *c, int64_t n, const double *t, sp_
     return run(c, &rows, report, err);
 }
 
-/* ---- density along the column, by the definition of each model ------------------------------------------------------
- */
+/* ---- density along the column, by the definition of each model -------------------------------------------------- */
 
 typedef struct density_rows {
     const sp_tapped_spec *c;

@@ -78,8 +78,7 @@ lattice_event sp_lattice_next_event(sp_lattice *l, double h);
  * of the second derivative guarantee that it is the first. */
 double sp_first_root(const double *f, int n, double h);
 
-/* ---- which contacts stick, and the states of all contacts -----------------------------------------------------------
- */
+/* ---- which contacts stick, and the states of all contacts ------------------------------------------------------- */
 
 /* Decides which contacts stick, in the connected run of contacts with w = 0 and delta > 0 around contact `at`, and in
  * which direction the others start to move. cause: the contact whose force has left its band, or -1. */

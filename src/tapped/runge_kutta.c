@@ -142,8 +142,7 @@ static double springs_frequency(const springs *s) {
     return 2 * sqrt(s->stiffness * (1 + s->e) / lightest);
 }
 
-/* ---- the two schemes -----------------------------------------------------------------------------------------------
- */
+/* ---- the two schemes -------------------------------------------------------------------------------------------- */
 
 enum { STEPS_PER_CONTACT = 200 };
 

@@ -8,8 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* ---- the taut string -----------------------------------------------------------------------------------------------
- */
+/* ---- the taut string -------------------------------------------------------------------------------------------- */
 
 static void fill(const taut_ends *from, int32_t begin, int32_t end, double slope, const double *x, double *f) {
     for (int32_t k = begin; k < end; k++)
@@ -54,8 +53,7 @@ void sp_taut_string(int32_t n, const double *x, const double *lo, const double *
     }
 }
 
-/* ---- contacts ------------------------------------------------------------------------------------------------------
- */
+/* ---- contacts --------------------------------------------------------------------------------------------------- */
 
 /* A connected run of contacts low .. high with w = 0 and delta > 0; node k of the string is contact high - k. Rounding
  * must not decide: where a force lies on the edge of its band and the string does not bend, the rate of the force

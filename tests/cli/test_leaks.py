@@ -6,12 +6,11 @@ import os
 import pathlib
 import shutil
 import subprocess
-import sys
-import tempfile
 
-COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
-CHAIN = ["--set", "packing.kind=chain", "--set", "packing.dimension=1", "--set", "packing.grains=20",
-         "--set", "packing.friction=0"]
+from command import COMMAND, N200, main, sanitized, sets
+from common import expect
+
+CHAIN = sets(kind="chain", grains=20)
 STUDY = """packing = { kind = "chain"; friction = 0; };
 study = { samples = 1; want = ["ctof", "spectrum"]; sweep = ( { key = "packing.grains"; values = [10, 20]; } ); };
 """
@@ -69,48 +68,25 @@ def cluster():
     return "\n".join(lines) + "\n"
 
 
-def sanitized(command):
-    """A build with the sanitizers finds leaks itself and does not run under valgrind."""
-    libraries = subprocess.run(["ldd", command], text=True, capture_output=True).stdout
-    return "libasan" in libraries
-
-
-def main():
-    if not shutil.which("valgrind"):
-        print("valgrind is not installed")
-        sys.exit(77)
-    if sanitized(COMMAND):
-        print("a build with sanitizers")
-        sys.exit(77)
+def leaks():
+    if not shutil.which("valgrind") or sanitized():
+        return "no valgrind, or a build with sanitizers, which find leaks themselves"
     # a plain kernel of the linear algebra: valgrind does not know every instruction of the newest processors
     env = dict(os.environ, OPENBLAS_CORETYPE="Prescott", OPENBLAS_NUM_THREADS="1")
-    faults = []
-    with tempfile.TemporaryDirectory(prefix="sonopack-leaks-") as folder:
-        scratch = pathlib.Path(folder)
-        (scratch / "scene.cfg").write_text("packing = { pressure = 1e-4; };\n")
-        (scratch / "suppressions").write_text(SUPPRESSIONS)
-        (scratch / "study.cfg").write_text(STUDY)
-        (scratch / "flat.tsv").write_text("t\tF\n0\t0\n1\t0\n2\t0\n3\t0\n")
-        shutil.copy(SOURCE / "packings/reference/packing_N200_p1e-4.txt", scratch / "reference.txt")
-        (scratch / "cluster.txt").write_text(cluster())
-        (scratch / "wrong.cfg").write_text("packing = { presure = 1e-4; };\n")
-        for status, arguments in RUNS:
-            chain = scratch / "chain.h5"
-            if "truncated.h5" in arguments and chain.exists():
-                (scratch / "truncated.h5").write_bytes(chain.read_bytes()[:-500])
-            log = scratch / "valgrind.log"
-            result = subprocess.run(["valgrind", "--quiet", "--leak-check=full", "--errors-for-leak-kinds=definite",
-                                     "--show-leak-kinds=definite", f"--error-exitcode={ERROR}", f"--log-file={log}",
-                                     f"--suppressions={scratch / 'suppressions'}",
-                                     COMMAND, *arguments], cwd=scratch, env=env, text=True, capture_output=True)
-            print("sonopack", *arguments, "->", result.returncode, flush=True)
-            report = log.read_text()
-            if result.returncode != status or report.strip():
-                faults.append(f"sonopack {' '.join(arguments)}: exit status {result.returncode}, expected {status}\n"
-                              f"{result.stderr}{report}")
-    print(*faults, sep="\n")
-    sys.exit(1 if faults else 0)
+    for name, text in (("scene.cfg", "packing = { pressure = 1e-4; };\n"), ("suppressions", SUPPRESSIONS), ("study.cfg", STUDY),
+                       ("flat.tsv", "t\tF\n0\t0\n1\t0\n2\t0\n3\t0\n"), ("reference.txt", N200.read_text()),
+                       ("cluster.txt", cluster()), ("wrong.cfg", "packing = { presure = 1e-4; };\n")):
+        pathlib.Path(name).write_text(text)
+    for status, words in RUNS:
+        if "truncated.h5" in words:
+            pathlib.Path("truncated.h5").write_bytes(pathlib.Path("chain.h5").read_bytes()[:-500])
+        done = subprocess.run(["valgrind", "--quiet", "--leak-check=full", "--errors-for-leak-kinds=definite",
+                               "--show-leak-kinds=definite", f"--error-exitcode={ERROR}", "--log-file=valgrind.log",
+                               "--suppressions=suppressions", COMMAND, *words], env=env, text=True, capture_output=True)
+        report = pathlib.Path("valgrind.log").read_text()
+        expect(done.returncode == status and not report.strip(),
+               f"sonopack {' '.join(words)}: exit status {done.returncode}, expected {status}\n{done.stderr}{report}")
+    return None
 
 
-if __name__ == "__main__":
-    main()
+main(leaks)

@@ -16,14 +16,14 @@ RANKS = {"core/base": 0, "core/table": 1, "core/numeric": 1, "core/linalg": 1, "
          "core/packing": 3, "core/network": 4, "core/units": 4, "core/modes": 5, "core/elastic": 5, "core/spectrum": 6,
          "core/signal": 6, "core/cost": 7, "core/amplitude": 7, "core/transport": 7, "core/sensitivity": 7,
          "core/inference": 8, "tapped": 7, "study/scene": 8, "study/ensemble": 9, "study/store": 10,
-         "app/cli": 12}
+         "cli": 12}
 # what stands beside a room, not below it
 BESIDE = {"tapped": {"core/base", "core/table", "core/numeric", "core/linalg"}}
 # headers of other libraries, and the rooms that may see them
 FOREIGN = [(r"hdf5(_hl)?\.h|H5\w*\.h|zlib\.h", {"study/store"}),
            (r"(suitesparse/)?(cholmod|SuiteSparse\w*|amd|umfpack)\.h", {"core/linalg"}),
            (r"(lapacke|lapack|cblas|openblas\w*|f77blas|arpack)\.h", {"core/linalg"}),
-           (r"libconfig\.h", {"study/scene"}), (r"argp\.h|getopt\.h|mpi\.h", {"app/cli"}),
+           (r"libconfig\.h", {"study/scene"}), (r"argp\.h|getopt\.h|mpi\.h", {"cli"}),
            (r"gsl/.*|Random123/.*", {"core/numeric"})]
 LIBC = set("""assert complex ctype errno fcntl fenv float inttypes limits locale math pthread setjmp signal stdalign stdarg
     stdatomic stdbool stddef stdint stdio stdlib string strings tgmath threads time unistd dirent dlfcn ftw libgen sched search
@@ -185,7 +185,7 @@ def check_calls(root, build):
 def check_speech(root):
     faults = []
     for path in sorted((root / "src").rglob("*.[ch]")):
-        if room_of(path.relative_to(root / "src")) in ("app/cli"):
+        if room_of(path.relative_to(root / "src")) == "cli":
             continue
         for number, line in enumerate(without_comments(path.read_text()).split("\n"), 1):
             match = SPEECH.search(line)
@@ -271,7 +271,7 @@ def check_the_checker(with_format):
     """Each rule finds its planted fault and passes the same tree without it."""
     assert circle_in({"a": {"b": "f", "c": "g"}, "b": {"d": "h"}, "c": {"d": "h"}}) is None
     assert circle_in({"a": {"b": "f"}, "b": {"c": "g"}, "c": {"b": "h"}}) == ["b", "c", "b"]
-    assert may_use("app/cli", "tapped") and not may_use("tapped", "study/store") and not may_use("tapped", "core/packing")
+    assert may_use("cli", "tapped") and not may_use("tapped", "study/store") and not may_use("tapped", "core/packing")
     with tempfile.TemporaryDirectory(prefix="sonopack-structure-") as folder:
         root = pathlib.Path(folder)
         shutil.copy(pathlib.Path(sys.argv[2], ".clang-format"), root)

@@ -68,7 +68,7 @@ static inline void scene_crumb(sp_random *draw, sp_packing *p) {
     sp_packing_wrap(&more, more.x + 3 * (size_t)p->n);
     sp_packing_free(p);
     *p = more;
-    cells_touch(p);
+    add_contacts(p);
 }
 
 static inline void scene_across(int dim, const double *n, double *t) {
@@ -142,13 +142,13 @@ static inline scene scene_draw_of(sp_random *draw, int most, const int edge[4]) 
     p->wall = (sp_wall)whole(draw, 0, 2);
     scene_place(draw, p, per, spacing);
     const sp_packing empty = *p;
-    cells_touch(p);
+    add_contacts(p);
     for (int k = 0; k < 2 && p->n_contacts > 0 && chance(draw, 0.3); k++) {
         scene_crumb(draw, p);
         p->friction = empty.friction;
         p->poisson = empty.poisson;
         p->wall = empty.wall;
-        cells_touch(p);
+        add_contacts(p);
     }
     scene_forces(draw, p);
     scene_masses(draw, p);

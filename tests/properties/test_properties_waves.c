@@ -271,7 +271,7 @@ static void buckle(claims *c, sp_random *draw) {
         s.p.x[3 * i + 1] = 0.5 * apart + half * (2 * (i / 3) + (i % 3 > 0));
         s.p.r[i] = 0.5;
     }
-    cells_touch(&s.p);
+    add_contacts(&s.p);
     s.p.gravity = 1e-9; /* two contacts hold a grain */
     s.how.prestress = true;
     snprintf(s.words, sizeof s.words, "a column of %d, %g aside, %g apart", n, aside, apart);

@@ -2,7 +2,6 @@
 #include "base/base.h"
 #include "cells.h"
 #include "packing/bulk.h"
-#include "reference.h"
 
 #include <sonopack/modes.h>
 
@@ -77,7 +76,7 @@ TEST(boxes_hold_and_pieces_turn) {
         sp_network_free(&net);
         for (int a = 0; a < dim; a++)
             piece.box[a] *= 2; /* far from its images, across which the piece is cut */
-        cells_touch(&piece);
+        add_contacts(&piece);
         net = network_of(&piece, false);
         assert_ok(sp_zero_modes_count(&net, &z, &err));
         assert_int_equal(z.rigid, dim == 2 ? 3 : 6);
@@ -85,7 +84,7 @@ TEST(boxes_hold_and_pieces_turn) {
             piece.x[3 * i] -= 2;
             sp_packing_wrap(&piece, piece.x + 3 * (size_t)i);
         }
-        cells_touch(&piece);
+        add_contacts(&piece);
         sp_network_free(&net);
         net = network_of(&piece, false);
         assert_ok(sp_zero_modes_count(&net, &z, &err));
@@ -97,48 +96,6 @@ TEST(boxes_hold_and_pieces_turn) {
 }
 
 /* ---- places ----------------------------------------------------------------------------------------------------- */
-
-static double seen(const sp_network *net, const sp_place *at, const double *u) {
-    double *row = malloc((size_t)sp_network_dofs(net) * sizeof *row), sum = 0;
-    assert_ok(sp_network_detector_at(net, at, row, &err));
-    for (int64_t k = 0; k < sp_network_dofs(net); k++)
-        sum += row[k] * u[k];
-    free(row);
-    return sum;
-}
-
-/* What comes through one plane less what goes through a higher one is the force on the grains between them. */
-TEST(momentum_is_balanced) {
-    for (int k = 0; k < 2 * PACKINGS; k++) {
-        sp_packing p = packing(k / 2);
-        sp_network net = network_of(&p, k % 2);
-        const int64_t n = sp_network_dofs(&net);
-        const int up = p.dim - 1;
-        double *u = malloc((size_t)n * sizeof *u), *ku = malloc((size_t)n * sizeof *ku);
-        srand(7);
-        for (int64_t q = 0; q < n; q++)
-            u[q] = rand() / (double)RAND_MAX - 0.5;
-        sp_network_apply(&net, u, ku);
-        for (int shear = 0; shear < 2; shear++) {
-            const sp_place low = {.kind = SP_PLACE_PLANE, .shear = shear};
-            const double base = seen(&net, &low, u);
-            for (int part = 1; part < 8; part++) {
-                const sp_place high = {.kind = SP_PLACE_PLANE, .shear = shear, .height = part * p.box[up] / 8};
-                double force = 0;
-                for (int32_t i = 0; i < net.n; i++)
-                    if (net.x[3 * i + up] <= high.height)
-                        force -= ku[(int64_t)i * net.dof + (shear ? 0 : up)];
-                assert_close(base - seen(&net, &high, u), force, 1e-12);
-                const double crossed = sp_network_plane_height(&net, high.height);
-                assert_close(crossed, high.height, 0.5);
-            }
-        }
-        free(ku);
-        free(u);
-        sp_network_free(&net);
-        sp_packing_free(&p);
-    }
-}
 
 /* A plane moves the grains of its layer, across the period, and nothing else; in every kind of cell. */
 TEST(planes_are_sources) {
@@ -188,7 +145,7 @@ TEST(walls_are_refused) {
     sp_packing_free(&p);
     sp_packing thin = cells_square(5, 8, 0, 1e-4, 0); /* rows at 0.25, 1.25, ... */
     thin.box[1] *= 2;                                 /* a gap above them */
-    cells_touch(&thin);
+    add_contacts(&thin);
     net = network_of(&thin, false);
     out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
     const sp_place gap = {.kind = SP_PLACE_PLANE, .height = 12};

@@ -1,7 +1,6 @@
 /* Moduli of cells without a piston: the whole tensor against closed forms and against energies of strained cells. */
 #include "cells.h"
 #include "elastic/strain.h"
-#include "reference.h"
 
 #include <sonopack/elastic.h>
 
@@ -106,7 +105,7 @@ TEST(piston_and_periodic) {
     piston.box[1] = height;
     for (int i = 0; i < piston.n; i++)
         piston.x[3 * i + 1] += 0.5 - overlap - 0.25 * across;
-    cells_touch(&piston);
+    add_contacts(&piston);
     sp_network net = network_of(&piston, false);
     sp_moduli m;
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
@@ -248,7 +247,7 @@ TEST(refusals) {
     sp_network_free(&net);
     piece.box[0] *= 2;
     piece.box[1] *= 2;
-    cells_touch(&piece);
+    add_contacts(&piece);
     net = network_of(&piece, false);
     sp_elasticity e;
     assert_fails(sp_elasticity_make(&net, 0.5, NULL, &e, &err), SP_EREFUSED, "floppy");

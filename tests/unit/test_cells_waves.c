@@ -2,7 +2,6 @@
 #include "base/vector.h"
 #include "cells.h"
 #include "network/network_cell.h"
-#include "reference.h"
 
 #include <sonopack/coherent.h>
 #include <sonopack/signal.h>

@@ -1,5 +1,6 @@
 /* Places of sources and detectors: the parts make the whole, and momentum is balanced. */
 #include "carried.h"
+#include "cells.h"
 
 #include <sonopack/network.h>
 #include <sonopack/signal.h>
@@ -27,12 +28,13 @@ static double seen(const sp_network *net, const sp_place *at, const double *u) {
     return sum;
 }
 
-/* The force on all that lies above a plane: what comes through the plane, less what goes on to the top wall. */
+/* The force on all that lies above a plane: what comes through the plane, less what goes on to the top wall, or in a
+ * periodic cell through its lowest plane. */
 static void planes_balance(sp_packing p, bool prestress, bool shear) {
     sp_network net = network_of(&p, prestress);
     double *u = random_vector(&net, 7), *ku = malloc((size_t)sp_network_dofs(&net) * sizeof *ku);
     const int axis = shear ? 0 : net.dim - 1;
-    const sp_place top = {.shear = shear};
+    const sp_place top = {.kind = net.cell == SP_CELL_PERIODIC ? SP_PLACE_PLANE : SP_PLACE_WALL, .shear = shear};
     double scale = 0;
     sp_network_apply(&net, u, ku);
     for (int64_t k = 0; k < sp_network_dofs(&net); k++)
@@ -44,6 +46,8 @@ static void planes_balance(sp_packing p, bool prestress, bool shear) {
             if (net.x[3 * i + net.dim - 1] > plane.height)
                 force -= ku[(int64_t)i * net.dof + axis];
         assert_close(seen(&net, &plane, u) - seen(&net, &top, u), force, 1e-15 * scale);
+        if (net.dim > 1)
+            assert_close(sp_network_plane_height(&net, plane.height), plane.height, 0.5);
     }
     free(ku);
     free(u);
@@ -58,6 +62,11 @@ TEST(momentum_is_balanced) {
             planes_balance(scattered_packing(dim, 5, 0, 5), prestress, false);
             planes_balance(carried_packing(dim, 5, 0.4, 6), prestress, false);
             planes_balance(carried_packing(dim, 5, 0.4, 7), prestress, true);
+            for (int k = 0; k < 4; k++)
+                planes_balance(cells_packing(SP_CELL_PERIODIC, dim, dim == 2 ? 40 : 48, dim == 2 ? 0.9 : 0.7,
+                                             (double[3]){0.3, dim == 2 ? 0 : -0.2, dim == 2 ? 0 : 0.4}, k % 2 ? 0.3 : 0,
+                                             1 + (unsigned)k),
+                               prestress, k / 2);
         }
     planes_balance(chain_packing(9, 1e-4), false, false);
 }

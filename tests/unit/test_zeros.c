@@ -121,42 +121,12 @@ TEST(test_long_row) {
     sp_network_free(&net);
 }
 
-/* A square lattice without friction, `across` x `up`: each row slides freely. */
-static sp_packing smooth_lattice(int across, int up) {
-    const double spacing = 0.95;
-    sp_packing p = sp_packing_none();
-    assert_ok(sp_packing_alloc(&p, 2, across * up, across * (2 * up + 1), &err));
-    int count = 0;
-    for (int i = 0; i < across * up; i++) {
-        p.x[3 * i] = spacing * (i % across);
-        p.x[3 * i + 1] = 0.45 + spacing * (i / across);
-        p.r[i] = 0.5;
-        const int32_t right = i % across + 1 < across ? i + 1 : i + 1 - across;
-        const int32_t above = i / across + 1 < up ? i + across : SP_TOP;
-        p.contacts[count++] = (sp_contact){.i = i < right ? i : right,
-                                           .j = i < right ? right : i,
-                                           .n = {i < right ? 1 : -1, 0, 0},
-                                           .overlap = 0.05,
-                                           .fn = 0.01};
-        p.contacts[count++] = (sp_contact){.i = i, .j = above, .n = {0, 1, 0}, .overlap = 0.05, .fn = 0.01};
-        if (i < across)
-            p.contacts[count++] = (sp_contact){.i = i, .j = SP_BOTTOM, .n = {0, -1, 0}, .overlap = 0.05, .fn = 0.01};
-    }
-    assert_int_equal(count, p.n_contacts);
-    p.box[0] = spacing * across;
-    p.box[1] = spacing * (up - 1) + 0.9;
-    p.box[2] = 1;
-    p.pressure = 1e-4;
-    sp_packing_sort(&p);
-    return p;
-}
-
 /* All rows slide: one rigid motion and 14 mechanisms. One column hangs on weak springs besides, and eigensolvers mix
  * its motion with those of the rows. Many more mechanisms than a slice of the sparse solver holds. */
 TEST(test_mixed) {
     enum { ACROSS = 17, UP = 15 };
     for (int q = 0; q < 3; q++) {
-        sp_network net = network_of(smooth_lattice(ACROSS, UP));
+        sp_network net = network_of(square_packing(ACROSS, UP, 0));
         const double weak = q == 1 ? 1e-9 : 1e-13;
         double softest;
         if (q > 0) {
@@ -173,7 +143,7 @@ TEST(test_mixed) {
         sp_network_free(&net);
     }
     double softest;
-    sp_network net = network_of(smooth_lattice(3, 100));
+    sp_network net = network_of(square_packing(3, 100, 0));
     assert_int_equal(count_all(&net, &softest).mechanisms, 99);
     sp_network_free(&net);
 }
@@ -235,7 +205,7 @@ TEST(test_clusters) {
 /* Known null motions are orthonormal, and K makes nothing of them. */
 TEST(test_null_motions) {
     sp_network nets[] = {network_of(scattered_packing(3, 5, 0.5, 3)), network_of(cluster(3, 3, 1)),
-                         network_of(smooth_lattice(5, 4))};
+                         network_of(square_packing(5, 4, 0))};
     for (size_t q = 0; q < 3; q++) {
         const sp_network *net = &nets[q];
         const size_t n = (size_t)sp_network_dofs(net);
@@ -292,7 +262,7 @@ TEST(test_bad_input) {
     sp_modes m = sp_modes_none();
     for (int q = 0; q < 2; q++) { /* by the dense solver, and by the sparse one: 23 x 10 has 460 */
         const int across = q ? 23 : 5, up = q ? 10 : 15;
-        sp_network net = network_of(smooth_lattice(across, up));
+        sp_network net = network_of(square_packing(across, up, 0));
         const int64_t most = 2 * across * up - up;
         sp_modes_range range = sp_modes_range_lowest(most);
         assert_ok(sp_modes_sparse(&net, &o, &range, &m, &err));
@@ -310,7 +280,7 @@ TEST(test_bad_input) {
 }
 
 TEST(test_no_memory) {
-    sp_network net = network_of(smooth_lattice(7, 5));
+    sp_network net = network_of(square_packing(7, 5, 0));
     sp_zero_modes z = {.total = -7};
     EACH_ALLOCATION_FAILS(20, sp_zero_modes_count(&net, &z, &err), assert_int_equal(z.total, lacks ? -7 : 5));
     sp_network_free(&net);

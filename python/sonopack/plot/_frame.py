@@ -50,7 +50,7 @@ def styled(draw: _F) -> _F:
     def with_style(*given: Any, **words: Any) -> Any:
         with matplotlib.style.context(STYLE):
             drawn = draw(*given, **words)
-            for ax in np.ravel(np.asarray(drawn, object)) if not isinstance(drawn, Iterator) else ():
+            for ax in [] if isinstance(drawn, Iterator) else list(np.ravel(np.asarray(drawn, object))):
                 label_decades(ax)
             return drawn
     return with_style  # type: ignore[return-value]
@@ -110,10 +110,10 @@ def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0
     return axes
 
 
-def column_of_panels(rows: int, ax: Any, aspect: float) -> npt.NDArray[Any]:
+def column_of_panels(rows: int, ax: Any, aspect: float) -> Any:
     """Axes [rows] one above the other, with their letters above the frames, where they hide no data."""
-    axes: npt.NDArray[Any] = panels(rows, 1, ax=ax, aspect=aspect)[:, 0]
-    for one, letter in zip(axes if rows > 1 else (), "abcd"):
+    axes = panels(rows, 1, ax=ax, aspect=aspect)[:, 0]
+    for one, letter in zip(axes, "abcd" if rows > 1 else ""):
         one.annotate(f"({letter})", (0, 1), (0, 3), "axes fraction", "offset points", fontsize=7, gid="letter")
     return axes
 

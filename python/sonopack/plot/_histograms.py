@@ -119,7 +119,7 @@ def _directions(dim: int, n: Floats) -> Floats:
     angle = np.arcsin(np.minimum(1, np.abs(n[:, 2]))) if dim == 3 else np.arctan2(n[:, 1], n[:, 0])
     counted = np.bincount(((np.floor(angle / np.pi * bins + 0.5) + bins) % bins).astype(int), minlength=bins)
     if dim == 2:
-        return counted / (len(n) / bins)
+        return counted / (len(n) * (1 / bins))
     level = np.minimum(np.arange(bins), bins - np.arange(bins))
     low, high = np.maximum(level - 0.5, 0) * np.pi / bins, np.minimum((level + 0.5) * np.pi / bins, 0.5 * np.pi)
     density: Floats = counted[level] / (len(n) * (np.sin(high) - np.sin(low)))

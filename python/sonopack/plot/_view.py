@@ -218,7 +218,7 @@ def views(packing: Packing, ax: Any = None, shift: Floats | None = None) -> list
     found = [View(packing, *plane, shift) for plane in planes[:None if given is None else len(given)]]
     if given is None:
         _lay_out(found)
-    for view, view.ax in zip(found, () if given is None else given):
+    for view, view.ax in zip(found, [] if given is None else list(given)):
         box = view.ax.get_window_extent()
         view.points = min(box.width / view.span, box.height / view.height) * 72 / view.ax.figure.dpi
     return [view.open() for view in found]

@@ -318,9 +318,9 @@ def _diagram(bifurcation: Tapped | None, lyapunov: Tapped | None, column: str, a
     if len(set(filter(None, names))) > 1:
         raise refuse(given[0].one.name, f"a bifurcation over the {plain(names[0])}, but exponents over the "
                                         f"{plain(names[1])}: must be the same")
-    for one in given:
-        one.check_finite("parameter")
-    parameters = [one["parameter"] for one in given]
+    for s in given:
+        s.check_finite("parameter")
+    parameters = [s["parameter"] for s in given]
     low, high = min(x.min() for x in parameters), max(x.max() for x in parameters)
     axes, margin = column_of_panels(len(given), ax, 0.66 if len(given) > 1 else 0.75), 0.015 * (high - low)
     for one, s, x in zip(axes, given, parameters):

@@ -5,8 +5,7 @@
 #include <sonopack/sensitivity.h>
 #include <sonopack/uncertainty.h>
 
-/* ---- packings with errors of measurement ---------------------------------------------------------------------------
- */
+/* ---- packings with errors of measurement ------------------------------------------------------------------------ */
 
 /* A grain and another one, or a wall, that do not touch as listed but may. */
 typedef struct sp_near {

@@ -43,8 +43,7 @@ double sp_forward_sum(const forward *f, const sp_moment_weights *w, double last,
 /* SP_EREFUSED if the motion grows. */
 sp_status sp_forward_check(const forward *f, sp_error *err);
 
-/* ---- what gradients of signals and of fronts share ------------------------------------------------------------------
- */
+/* ---- what gradients of signals and of fronts share -------------------------------------------------------------- */
 
 sp_status sp_functional_check(const sp_network *net, const sp_sensitivity_options *opt, sp_error *err);
 /* More moments than any functional of times up to `last` needs. */

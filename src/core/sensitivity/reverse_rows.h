@@ -29,8 +29,7 @@ typedef struct reverse_rows {
 /* Takes the forces and clears them. */
 void sp_reverse_advance(int dim, int dof, const reverse_rows *of);
 
-/* ---- products at springs, four at a time --------------------------------------------------------------------------
- */
+/* ---- products at springs, four at a time ------------------------------------------------------------------------ */
 
 /* Springs of one kind in fours: the components of n, [dim][4], then i[4] and j[4] as in quads.h. */
 static ALWAYS_INLINE int multiply_quad(int dim) { return 4 * dim + 4; }

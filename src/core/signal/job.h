@@ -59,8 +59,7 @@ sp_status sp_signal_by_lowest_modes(const signal_job *job, sp_signal *s, sp_erro
 /* Sum over all modes of the dense solver, Eq. (3). */
 sp_status sp_signal_by_modes(const signal_job *job, sp_signal *s, sp_error *err);
 
-/* ---- costs ----------------------------------------------------------------------------------------------------------
- */
+/* ---- costs ------------------------------------------------------------------------------------------------------ */
 
 /* What of a network decides the cost. */
 typedef struct sp_signal_problem {

@@ -30,8 +30,7 @@ double sp_expansion_growth(double spread);
 /* Upper bound of |W_k| (velocity) or |T_k| for a symmetric A. */
 static inline double sp_expansion_weight(bool velocity, int64_t k) { return velocity ? 2 * (double)k + 1 : 1; }
 
-/* ---- passes ---------------------------------------------------------------------------------------------------------
- */
+/* ---- passes ----------------------------------------------------------------------------------------------------- */
 
 /* Moments b^T W_k a or b^T T_k a of sources a and detectors b from one recurrence, for as many k as needed. A single
  * pair uses doubling: one lane propagates the source and one the detector, and each step gives two moments. For several

@@ -228,8 +228,10 @@ sp_status sp_reader_load_list(sp_reader *r) {
     double *diameters = NULL;
     int32_t count = 0;
     sp_status status = sp_source_load(r->list, "list of diameters", &text, r->err);
+    sp_locale locale = sp_locale_enter();
     if (status == SP_OK)
         status = read_lines(r, f, text, &diameters, &count);
+    sp_locale_leave(&locale);
     if (status == SP_OK && count == 0)
         status =
             sp_fail(r->err, SP_EINVAL, "%s: an empty list: must hold a diameter for each grain, one a line", r->list);

@@ -106,17 +106,6 @@ static sp_status pack_state_flush(pack_state *s, sp_error *err) {
     return s->last_size > 0 ? write_now(s, s->last, s->last_size, err) : SP_OK;
 }
 
-static void pack_state_remove(pack_state *s) {
-    if (s->path[0])
-        unlink(s->path);
-}
-
-static void pack_state_free(pack_state *s) {
-    sp_free(s->found);
-    sp_free(s->last);
-    *s = (pack_state){0};
-}
-
 /* What of LAMMPS the command line gives; the package's program reads it (python/sonopack/formats/engine.py). */
 typedef struct pack_engine {
     int lammps; /* whether it is the engine */
@@ -150,19 +139,18 @@ static sp_status check(void *user, sp_error *err) {
 
 static const cli_option options[] = {
     {"seed", "S", "Seed of the random numbers", CLI_INTEGER, .scene = true, .key = "packing.seed"},
-    {"state-every", "SECONDS", "Save the state of the compression this often (10)", CLI_NUMBER,
-     .field = offsetof(arguments, every), .high = 1e9},
+    {"state-every", "SECONDS", "Save the state of the compression this often (10)", CLI_NUMBER, CLI_FIELD(every),
+     .high = 1e9},
     CLI_DRY_RUN,
     {.help = "Packings that LAMMPS makes (docs/cluster.md):"},
     {"engine", "sonopack|lammps", "Program that compresses the packing (sonopack)", CLI_CHOICE,
-     .field = offsetof(arguments, engine.lammps), .words = engine_words},
-    {"ranks", "N", "Run LAMMPS on N ranks, by mpirun -n N", CLI_INTEGER, .field = offsetof(arguments, engine.ranks),
-     .low = 1, .high = 1000000},
-    {"lammps", "PATH", "The program LAMMPS (lmp)", CLI_TEXT, .field = offsetof(arguments, engine.program)},
-    {"prepare", "DIR", "Only write the input of LAMMPS to a folder", CLI_TEXT,
-     .field = offsetof(arguments, engine.prepare)},
+     CLI_FIELD(engine.lammps), .words = engine_words},
+    {"ranks", "N", "Run LAMMPS on N ranks, by mpirun -n N", CLI_INTEGER, CLI_FIELD(engine.ranks), .low = 1,
+     .high = 1000000},
+    {"lammps", "PATH", "The program LAMMPS (lmp)", CLI_TEXT, CLI_FIELD(engine.program)},
+    {"prepare", "DIR", "Only write the input of LAMMPS to a folder", CLI_TEXT, CLI_FIELD(engine.prepare)},
     {"collect", "DIR", "Only read what LAMMPS has made of the files of --prepare, and bring it to rest", CLI_TEXT,
-     .field = offsetof(arguments, engine.collect)},
+     CLI_FIELD(engine.collect)},
     {0}};
 
 const cli_syntax cmd_pack_syntax = {
@@ -260,10 +248,6 @@ static sp_status stage_path(const char *path, int32_t index, char out[SP_PATH_MA
                          SP_PATH_MAX);
 }
 
-static sp_status save_packing(const sp_packing *p, const char *path, sp_error *err) {
-    return cli_has_ending(path, ".txt") ? sp_packing_save_text(p, path, err) : sp_packing_save(p, path, err);
-}
-
 /* The scene that is saved with a stage has a history that ends there. */
 static sp_status save_stage(const sp_packing *stage, int32_t index, void *user, sp_error *err) {
     compression *c = user;
@@ -277,7 +261,7 @@ static sp_status save_stage(const sp_packing *stage, int32_t index, void *user, 
     if (!p.scene)
         return sp_fail_memory(err, 1024);
     sp_status status = stage_path(c->arguments->common.output, index, path, err);
-    CLI_THEN(status, save_packing(&p, path, err));
+    CLI_THEN(status, cli_save_packing(&p, path, err));
     sp_free(p.scene);
     c->state.due = true; /* else the same command would find this file in its way */
     return status;
@@ -347,18 +331,6 @@ static sp_status compress(compression *c, const sp_packing *from, sp_packing *p,
     return p->scene ? SP_OK : sp_fail_memory(err, 1024);
 }
 
-static sp_status make_and_save(compression *c, const sp_packing *from, sp_packing *p, sp_error *err) {
-    const arguments *a = c->arguments;
-    sp_status status = pack_state_open(&a->common, &c->scene->pack, a->every, &c->state, err);
-    CLI_THEN(status, may_write_stages(c, err));
-    CLI_THEN(status, compress(c, from, p, err));
-    CLI_THEN(status, save_packing(p, a->common.output, err));
-    if (status == SP_OK)
-        pack_state_remove(&c->state);
-    pack_state_free(&c->state);
-    return status;
-}
-
 /* --dry-run. The stages of a history are saved beside the packing. */
 static sp_status plan(const arguments *a, const sp_scene *scene, sp_error *err) {
     cli_plan plan;
@@ -383,47 +355,38 @@ static sp_status plan(const arguments *a, const sp_scene *scene, sp_error *err) 
 
 /* ---- all together ------------------------------------------------------------------------------------------------ */
 
-static sp_status may_write_output(const arguments *a, sp_error *err) {
-    const char *path = a->common.output;
-    if (!path)
-        return SP_OK;
-    if (!cli_has_ending(path, ".txt") && !cli_is_hdf5(path))
-        return sp_fail(err, SP_EINVAL, "-o %s: the ending of a packing must be .h5 or .txt", path);
-    return cli_may_write(&a->common, path, err);
-}
-
-static sp_status read_scene(arguments *a, sp_scene *scene, sp_error *err) {
+/* Reads the scene, and the packing that it starts from, if it names one. */
+static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_error *err) {
     const char *path = a->common.files > 0 ? a->common.file[0] : NULL;
     sp_status status = cli_read_scene(&a->common, path, scene, err);
     CLI_THEN(status, cli_set_scene(&a->common, scene, err));
-    return status == SP_OK ? sp_scene_resolve(scene, err) : status;
-}
-
-static sp_status make(arguments *a, sp_scene *scene, const sp_packing *from, sp_packing *p, sp_error *err) {
-    compression c = {.arguments = a, .scene = scene};
-    if (a->common.dry_run)
-        return plan(a, scene, err);
-    return make_and_save(&c, from, p, err);
-}
-
-static sp_status work(arguments *a, sp_scene *scene, sp_packing *p, sp_error *err) {
-    sp_status status = may_write_output(a, err);
-    CLI_THEN(status, read_scene(a, scene, err));
+    CLI_THEN(status, sp_scene_resolve(scene, err));
     if (status != SP_OK)
         return status;
     if (scene->sweeps > 0)
         cli_note(&a->common, "the scene has sweeps, but only one packing is made: see `sonopack help study'");
-    sp_packing from = sp_packing_none();
     if (scene->pack.kind == SP_PACK_FILE)
-        status = cli_load_start(scene, &from, err);
-    CLI_THEN(status,
-             cli_take_material(a, &scene->material, a->common.files > 0 ? a->common.file[0] : "the scene", err));
+        status = cli_load_start(scene, from, err);
+    CLI_THEN(status, cli_take_material(a, &scene->material, path ? path : "the scene", err));
     cli_note_material(&a->common, scene);
     if (status == SP_OK)
         cli_warn_low_box(&a->common, &scene->pack);
-    CLI_THEN(status, make(a, scene, &from, p, err));
-    sp_packing_free(&from);
-    return status == SP_OK && !a->common.dry_run ? summarise(a, scene, p, err) : status;
+    return status;
+}
+
+static sp_status make_and_save(const arguments *a, sp_scene *scene, const sp_packing *from, sp_packing *p,
+                               sp_error *err) {
+    compression c = {.arguments = a, .scene = scene};
+    sp_status status = pack_state_open(&a->common, &scene->pack, a->every, &c.state, err);
+    CLI_THEN(status, may_write_stages(&c, err));
+    CLI_THEN(status, compress(&c, from, p, err));
+    CLI_THEN(status, cli_save_packing(p, a->common.output, err));
+    if (status == SP_OK && c.state.path[0])
+        unlink(c.state.path);
+    sp_free(c.state.found);
+    sp_free(c.state.last);
+    CLI_THEN(status, summarise(a, scene, p, err));
+    return status;
 }
 
 int cmd_pack(int argc, char **argv) {
@@ -436,8 +399,11 @@ int cmd_pack(int argc, char **argv) {
     }
     sp_error err = {0};
     sp_scene scene = sp_scene_default();
-    sp_packing p = sp_packing_none();
-    sp_status status = work(&a, &scene, &p, &err);
+    sp_packing p = sp_packing_none(), from = sp_packing_none();
+    sp_status status = a.common.output ? cli_may_write_packing(&a.common, "-o", a.common.output, &err) : SP_OK;
+    CLI_THEN(status, read_scene(&a, &scene, &from, &err));
+    CLI_THEN(status, a.common.dry_run ? plan(&a, &scene, &err) : make_and_save(&a, &scene, &from, &p, &err));
+    sp_packing_free(&from);
     sp_packing_free(&p);
     sp_scene_free(&scene);
     return status == SP_OK ? CLI_OK : cli_fail(&err);

@@ -58,9 +58,4 @@ cli_filter cli_filter_none(void); /* selects all samples */
 sp_status cli_tables_may_write(const cli_tables *tables, sp_error *err);
 sp_status cli_tables_write(const cli_tables *tables, sp_store *store, sp_error *err);
 
-/* study --verify: prints a table of the files of a scene's samples, or of all files of the store if scene is NULL.
- * jobs: how many samples are computed again at a time. *good: all pass. */
-sp_status cli_verify(const cli_common *common, const char *dir, const sp_scene *scene, double tolerance, int jobs,
-                     bool *good, sp_error *err);
-
 #endif

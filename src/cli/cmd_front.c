@@ -123,7 +123,7 @@ static const cli_option options[] = {
      .scene = true, .key = "signal.source"},
     {"column", "NAME|N",
      "Column of the trace, by name or by number from 1 (F; else all of F1, F2, ...; else the second column of numbers)",
-     CLI_TEXT, .field = offsetof(arguments, column)},
+     CLI_TEXT, CLI_FIELD(column)},
     {0}};
 
 const cli_syntax cmd_front_syntax = {

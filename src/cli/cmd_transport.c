@@ -48,37 +48,37 @@ static const cli_option options[] = {
      "What to compute: the diffusivity of energy, from its spreading (diffusivity, the default) or from eigenmodes "
      "(kubo), the mean free path of the coherent wave (coherent), the parts of the energy (split), or its flux after a "
      "burst (energy)",
-     CLI_CHOICE, .field = offsetof(arguments, common.kind), .words = quantity_names},
+     CLI_CHOICE, CLI_FIELD(common.kind), .words = quantity_names},
     {"at", "W1,W2,...|LOW:HIGH:N",
      "Frequencies (10, from 0.05 to 0.6 of the upper bound of the spectrum of the first packing)", CLI_TEXT,
-     .field = offsetof(arguments, at)},
+     CLI_FIELD(at)},
     {"axis", "up|x|y",
      "diffusivity, kubo: the axis along which energy moves, y in 3D only (up; for kubo the mean over the axes without "
      "walls)",
-     CLI_CHOICE, .field = offsetof(arguments, axis), .words = axis_names, .kinds = "diffusivity kubo"},
+     CLI_CHOICE, CLI_FIELD(axis), .words = axis_names, .kinds = "diffusivity kubo"},
     {"width", "W", "All but coherent: width of the band about each frequency, over the frequency (0.1)", CLI_NUMBER,
-     .field = offsetof(arguments, spread.width), .low = 0.001, .high = 0.2, .kinds = "diffusivity kubo split energy"},
+     CLI_FIELD(spread.width), .low = 0.001, .high = 0.2, .kinds = "diffusivity kubo split energy"},
     {"waves", "N", "diffusivity: how many waves of the energy's density the packing holds (1)", CLI_INT,
-     .field = offsetof(arguments, spread.waves), .low = 1, .high = 1000, .kinds = "diffusivity"},
+     CLI_FIELD(spread.waves), .low = 1, .high = 1000, .kinds = "diffusivity"},
     {"sources", "N", "diffusivity, split: number of random motions of each packing (6)", CLI_INT,
-     .field = offsetof(arguments, spread.sources), .low = 2, .high = 1000, .kinds = "diffusivity split"},
-    {"seed", "N", "diffusivity, split: seed of the random motions (1)", CLI_INTEGER,
-     .field = offsetof(arguments, spread.seed), .high = 1e15, .kinds = "diffusivity split"},
+     CLI_FIELD(spread.sources), .low = 2, .high = 1000, .kinds = "diffusivity split"},
+    {"seed", "N", "diffusivity, split: seed of the random motions (1)", CLI_INTEGER, CLI_FIELD(spread.seed),
+     .high = 1e15, .kinds = "diffusivity split"},
     {"until", "T",
      "diffusivity, energy: last time [d/sqrt(E* / rho)] (300 periods; energy: the window of `signal' of the first "
      "packing)",
-     CLI_NUMBER, .field = offsetof(arguments, spread.until), .low = 1e-6, .high = 1e12, .unit = "d/sqrt(E* / rho)",
+     CLI_NUMBER, CLI_FIELD(spread.until), .low = 1e-6, .high = 1e12, .unit = "d/sqrt(E* / rho)",
      .kinds = "diffusivity energy"},
-    {"smear", "W", "kubo: width of the delta function, over the frequency (0.1)", CLI_NUMBER,
-     .field = offsetof(arguments, smear), .low = 0.001, .high = 0.2, .kinds = "kubo"},
-    {"spacing", "D", "coherent: distance between planes [d] (1)", CLI_NUMBER,
-     .field = offsetof(arguments, section.spacing), .low = 0.01, .high = 1e6, .kinds = "coherent"},
-    {"low", "Y", "coherent: height of the lowest plane [d] (4)", CLI_NUMBER, .field = offsetof(arguments, section.low),
+    {"smear", "W", "kubo: width of the delta function, over the frequency (0.1)", CLI_NUMBER, CLI_FIELD(smear),
+     .low = 0.001, .high = 0.2, .kinds = "kubo"},
+    {"spacing", "D", "coherent: distance between planes [d] (1)", CLI_NUMBER, CLI_FIELD(section.spacing), .low = 0.01,
      .high = 1e6, .kinds = "coherent"},
-    {"part", "F", "coherent: place planes up to this fraction of the height (0.6)", CLI_NUMBER,
-     .field = offsetof(arguments, section.part), .low = 0.01, .high = 1, .kinds = "coherent"},
+    {"low", "Y", "coherent: height of the lowest plane [d] (4)", CLI_NUMBER, CLI_FIELD(section.low), .high = 1e6,
+     .kinds = "coherent"},
+    {"part", "F", "coherent: place planes up to this fraction of the height (0.6)", CLI_NUMBER, CLI_FIELD(section.part),
+     .low = 0.01, .high = 1, .kinds = "coherent"},
     {"shear", NULL, "coherent: the transverse wave, from a bottom wall that is moved along x", CLI_FLAG,
-     .field = offsetof(arguments, section.shear), .kinds = "coherent"},
+     CLI_FIELD(section.shear), .kinds = "coherent"},
     {0}};
 
 const cli_syntax cmd_transport_syntax = {
@@ -394,8 +394,7 @@ static void print_values(const arguments *a, cli_writer *w) {
         for (int k = 0; k < (energy ? BURST_ROWS : 1); k++) {
             cli_put(w, a->omega[l]);
             if (energy) {
-                cli_put(w, burst_time(a, k / PLANES));
-                cli_put(w, (k % PLANES + 1.0) / (PLANES + 1));
+                cli_put(w, burst_time(a, k / PLANES), (k % PLANES + 1.0) / (PLANES + 1));
             }
             end_row(c, energy ? a->mean + ((int64_t)l * BURST_ROWS + k) * BURST_VALUES : means_at(a, l), w);
         }
@@ -448,17 +447,16 @@ static sp_status add_rows(void *user, cli_writer *w) {
 static const cli_option wave_options[] = {
     {"at", "W1,W2,...|LOW:HIGH:N",
      "Frequencies (24, from four periods in the record to 0.3 of the upper bound of the spectrum)", CLI_TEXT,
-     .field = offsetof(arguments, at)},
-    {"spacing", "D", "Distance between planes [d] (1)", CLI_NUMBER, .field = offsetof(arguments, section.spacing),
-     .low = 0.01, .high = 1e6},
-    {"low", "Y", "Height of the lowest plane [d] (4)", CLI_NUMBER, .field = offsetof(arguments, section.low),
+     CLI_FIELD(at)},
+    {"spacing", "D", "Distance between planes [d] (1)", CLI_NUMBER, CLI_FIELD(section.spacing), .low = 0.01,
      .high = 1e6},
-    {"part", "F", "Place planes up to this fraction of the height (0.6)", CLI_NUMBER,
-     .field = offsetof(arguments, section.part), .low = 0.01, .high = 1},
-    {"damping", CLI_DAMPING, "Dashpots of the contacts, as in signal (0)", CLI_DASHPOTS,
-     .field = offsetof(arguments, damping), .high = 100},
+    {"low", "Y", "Height of the lowest plane [d] (4)", CLI_NUMBER, CLI_FIELD(section.low), .high = 1e6},
+    {"part", "F", "Place planes up to this fraction of the height (0.6)", CLI_NUMBER, CLI_FIELD(section.part),
+     .low = 0.01, .high = 1},
+    {"damping", CLI_DAMPING, "Dashpots of the contacts, as in signal (0)", CLI_DASHPOTS, CLI_FIELD(damping),
+     .high = 100},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, as in signal (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, section.source), .words = cli_source_names},
+     CLI_FIELD(section.source), .words = cli_source_names},
     {0}};
 
 const cli_syntax cmd_wave_syntax = {
@@ -560,17 +558,12 @@ static int run(const cli_syntax *syntax_of, const cli_files *command, int argc, 
 }
 
 int cmd_transport(int argc, char **argv) {
-    static const cli_files command = {.groups = "network",
-                                      .contents = CLI_NETWORK,
-                                      .stop = true,
-                                      .begin = begin,
-                                      .add = add_packing,
+    static const cli_files command = {CLI_OF_NETWORK, .stop = true, .begin = begin, .add = add_packing,
                                       .end = add_rows};
     return run(&cmd_transport_syntax, &command, argc, argv);
 }
 
 int cmd_wave(int argc, char **argv) {
-    static const cli_files command = {
-        .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = add_wave, .end = wave_rows};
+    static const cli_files command = {CLI_OF_NETWORK, .stop = true, .begin = begin, .add = add_wave, .end = wave_rows};
     return run(&cmd_wave_syntax, &command, argc, argv);
 }

@@ -8,7 +8,7 @@ typedef struct arguments {
 } arguments;
 
 static const cli_option options[] = {{"margin", "D", "Leave out layers of this thickness at all walls [d] (3)",
-                                      CLI_NUMBER, .field = offsetof(arguments, margin), .high = 1e6, .unit = "d"},
+                                      CLI_NUMBER, CLI_FIELD(margin), .high = 1e6, .unit = "d"},
                                      {0}};
 
 const cli_syntax cmd_statics_syntax = {

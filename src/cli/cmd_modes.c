@@ -228,29 +228,29 @@ static sp_status check(void *user, sp_error *err) {
 static const cli_option options[] = {
     {"all", NULL, "All modes (the default)", .parse = add_all},
     {"lowest", "K", "Only the K lowest modes that are no zero modes; n starts after those", .parse = set_lowest},
-    {"zero", NULL, "With --lowest: all zero modes too, in front", CLI_FLAG, .field = offsetof(arguments, zero)},
+    {"zero", NULL, "With --lowest: all zero modes too, in front", CLI_FLAG, CLI_FIELD(zero)},
     {"band", "LO:HI", "Only the modes with LO <= omega <= HI; n counts from the lowest of all modes. HI may be inf",
      .parse = set_band},
     {"frequencies-only", NULL, "Print only the columns n, omega and error: no amplitudes, no participation ratio",
-     CLI_FLAG, .field = offsetof(arguments, frequencies_only)},
+     CLI_FLAG, CLI_FIELD(frequencies_only)},
     {"damping", CLI_DAMPING,
      "Add dashpots, as in signal: columns n, omega, decay, cosine, sine, error, Q, Q_err (at most 2000 degrees of "
      "freedom)",
-     CLI_DASHPOTS, .field = offsetof(arguments, damping), .low = 1e-12, .high = 100},
+     CLI_DASHPOTS, CLI_FIELD(damping), .low = 1e-12, .high = 100},
     {"solver", CLI_SOLVERS, "Solver: block Lanczos, ARPACK, LAPACK, or the fastest of them (auto)", CLI_CHOICE,
-     .field = offsetof(arguments, solver), .words = cli_solver_names},
+     CLI_FIELD(solver), .words = cli_solver_names},
     {"stability", NULL,
      "Print one row instead, with a verdict on whether any motion grows (with --prestress and friction, up to 6000 "
      "degrees of freedom; above that undecided, with a bound)",
-     CLI_FLAG, .field = offsetof(arguments, stability)},
+     CLI_FLAG, CLI_FIELD(stability)},
     {"vectors", "FILE",
      "Write the eigenvectors too: of all modes to FILE.h5, or with --mode N the displacements in that mode to FILE.tsv "
      "(.csv, .json)",
-     CLI_TEXT, .field = offsetof(arguments, vectors)},
-    {"mode", "N", "Number of the mode for --vectors FILE.tsv, as in the column n", CLI_INTEGER,
-     .field = offsetof(arguments, mode), .high = 1000000000},
+     CLI_TEXT, CLI_FIELD(vectors)},
+    {"mode", "N", "Number of the mode for --vectors FILE.tsv, as in the column n", CLI_INTEGER, CLI_FIELD(mode),
+     .high = 1000000000},
     {"source", "impulse|velocity|displacement", "Kind of source for the amplitudes a (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, source), .words = cli_source_names},
+     CLI_FIELD(source), .words = cli_source_names},
     CLI_DRY_RUN,
     {0}};
 
@@ -385,13 +385,9 @@ static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *e
 }
 
 int cmd_modes(int argc, char **argv) {
-    static const cli_files command = {.groups = "network",
-                                      .contents = CLI_NETWORK,
-                                      .stop = true,
-                                      .begin = begin,
-                                      .add = add_rows,
-                                      .plan = plan,
-                                      .kernels = 1U << SP_KERNEL_DENSE | 1U << SP_KERNEL_SPARSE};
+    static const cli_files command = {CLI_OF_NETWORK, .stop = true,
+                                      .begin = begin, .add = add_rows,
+                                      .plan = plan,   .kernels = 1U << SP_KERNEL_DENSE | 1U << SP_KERNEL_SPARSE};
     arguments a = {.range = sp_modes_range_all(), .mode = -1};
     cli_parse(&cmd_modes_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);

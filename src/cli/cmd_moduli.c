@@ -69,7 +69,7 @@ static sp_status check(void *user, sp_error *err) {
 
 static const cli_option options[] = {
     {"margin", "D", "Leave layers of this thickness at all walls out of the density [d] (3)", CLI_NUMBER,
-     .field = offsetof(arguments, margin), .high = 1e6},
+     CLI_FIELD(margin), .high = 1e6},
     {"probe", "KIND",
      "Apparent moduli (repeatable): sine:N, a body force with N half waves between the walls; lines:N, N displaced "
      "lines of grains, N odd; or global, the imposed strain",
@@ -164,9 +164,7 @@ static void put_whole(const sp_elasticity *e, cli_writer *w) {
             if (b > a && b >= axes)
                 cli_put(w, e->c[a][b]);
         }
-    const double rest[] = {e->bulk, e->bulk_error, e->shear, e->shear_error, e->anisotropy, e->anisotropy_error, most};
-    for (size_t k = 0; k < sizeof rest / sizeof *rest; k++)
-        cli_put(w, rest[k]);
+    cli_put(w, e->bulk, e->bulk_error, e->shear, e->shear_error, e->anisotropy, e->anisotropy_error, most);
 }
 
 static void global_row(const arguments *a, const cli_file *file, cli_writer *w) {
@@ -243,10 +241,7 @@ static void probe_rows(const arguments *a, const cli_file *file, double density,
         cli_put(w, file->packing.pressure);
         if (a->probes > 1)
             cli_put_text(w, a->probe[k].text);
-        cli_put(w, l);
-        cli_put(w, s);
-        cli_put(w, l / along);
-        cli_put(w, shear > 0 ? s / shear : NAN);
+        cli_put(w, l, s, l / along, shear > 0 ? s / shear : NAN);
         cli_end_row(w);
     }
 }
@@ -255,13 +250,9 @@ static void probe_rows(const arguments *a, const cli_file *file, double density,
 
 static void strained_row(const cli_file *file, double strain, const sp_finite_strain *s, cli_writer *w) {
     cli_put_text(w, file->path);
-    cli_put(w, file->packing.pressure);
-    cli_put(w, strain);
+    cli_put(w, file->packing.pressure, strain);
     cli_put_quantities(w, sp_moduli_quantities, moduli_of(file->packing.dim), &s->moduli);
-    cli_put(w, s->sliding);
-    cli_put(w, s->lost);
-    cli_put(w, s->made);
-    cli_put(w, s->residual);
+    cli_put(w, s->sliding, s->lost, s->made, s->residual);
     cli_end_row(w);
 }
 
@@ -347,7 +338,7 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
 }
 
 int cmd_moduli(int argc, char **argv) {
-    static const cli_files command = {.groups = "network", .contents = CLI_NETWORK, .add = add_rows};
+    static const cli_files command = {CLI_OF_NETWORK, .add = add_rows};
     arguments a = {.margin = 3};
     cli_parse(&cmd_moduli_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);

@@ -153,6 +153,16 @@ sp_status cli_may_write(const cli_common *common, const char *path, sp_error *er
     return may_write(common, path, false, err);
 }
 
+sp_status cli_may_write_packing(const cli_common *common, const char *option, const char *path, sp_error *err) {
+    if (!cli_has_ending(path, ".txt") && !cli_is_hdf5(path))
+        return sp_fail(err, SP_EINVAL, "%s %.200s: the ending of a packing must be .h5 or .txt", option, path);
+    return cli_may_write(common, path, err);
+}
+
+sp_status cli_save_packing(const sp_packing *p, const char *path, sp_error *err) {
+    return cli_has_ending(path, ".txt") ? sp_packing_save_text(p, path, err) : sp_packing_save(p, path, err);
+}
+
 sp_status cli_may_write_modes(const cli_common *common, const char *path, sp_error *err) {
     return may_write(common, path, true, err);
 }
@@ -291,14 +301,14 @@ void cli_quantity_columns(cli_writer *w, const sp_quantity *all, const char *sym
         cli_columns(w, SP_COLUMN_NUMBER, q->symbol, q->unit, NULL);
 }
 
-void cli_put(cli_writer *w, double number) {
-    if (w->status != SP_OK)
-        return;
-    sp_entry *cell = &w->cell[w->cells];
-    if (w->table->column[w->cells++].kind == SP_COLUMN_INTEGER)
-        cell->integer = (int64_t)number;
-    else
-        cell->number = number;
+void cli_put_numbers(cli_writer *w, int n, const double *number) {
+    for (int k = 0; k < n && w->status == SP_OK; k++) {
+        sp_entry *cell = &w->cell[w->cells];
+        if (w->table->column[w->cells++].kind == SP_COLUMN_INTEGER)
+            cell->integer = (int64_t)number[k];
+        else
+            cell->number = number[k];
+    }
 }
 
 void cli_put_text(cli_writer *w, const char *text) {

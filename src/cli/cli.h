@@ -1,6 +1,6 @@
 #ifndef SP_CLI_H
 #define SP_CLI_H
-/* What the commands share: common options, exit statuses, messages and output. Only src/app prints or exits. */
+/* What the commands share: common options, exit statuses, messages and output. Only src/cli prints or exits. */
 
 #include "table/quantity.h"
 
@@ -79,6 +79,8 @@ typedef struct cli_option {
     int letter;        /* short option */
     const char *unit;  /* of a number: it may be given with another unit of the same dimension */
 } cli_option;
+
+#define CLI_FIELD(member) .field = offsetof(arguments, member) /* of the struct of that name in the command */
 
 /* The command line of one command. */
 typedef struct cli_syntax {
@@ -222,6 +224,9 @@ void cli_stop_patiently(void);
 /* Whether a file may be written. An existing file is replaced only with --force, and never by a file of another kind.
  * Call before the computation. */
 sp_status cli_may_write(const cli_common *common, const char *path, sp_error *err);
+/* The same for the packing of an option, .h5 or .txt; and writes it. */
+sp_status cli_may_write_packing(const cli_common *common, const char *option, const char *path, sp_error *err);
+sp_status cli_save_packing(const sp_packing *p, const char *path, sp_error *err);
 /* The same for a file of modes, or a table. */
 sp_status cli_may_write_modes(const cli_common *common, const char *path, sp_error *err);
 /* The same for the table in common->output, which may be NULL. */
@@ -268,9 +273,11 @@ void cli_comment(cli_writer *w, const char *format, ...) __attribute__((format(p
 void cli_value(cli_writer *w, const char *key, double value);
 /* Columns of the quantities of a result, whose symbols stand between blanks. */
 void cli_quantity_columns(cli_writer *w, const sp_quantity *all, const char *symbols);
-/* The next cell of a row: a number, as the kind of its column has it, or a text, which lives until cli_end_row; those
- * of the quantities of a result. */
-void cli_put(cli_writer *w, double number);
+/* The next cells of a row: numbers, as the kinds of their columns have them; a text, which lives until cli_end_row;
+ * those of the quantities of a result. */
+void cli_put_numbers(cli_writer *w, int n, const double *number);
+#define cli_put(w, ...)                                                                                                \
+    cli_put_numbers(w, (int)(sizeof((double[]){__VA_ARGS__}) / sizeof(double)), (double[]){__VA_ARGS__})
 void cli_put_text(cli_writer *w, const char *text);
 void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbols, const void *of);
 void cli_end_row(cli_writer *w);

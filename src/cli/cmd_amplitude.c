@@ -28,10 +28,7 @@ typedef struct means {
 
 enum { WITH_ERRORS = 5, PLANES = 10 };
 
-static void put(cli_writer *w, sp_amplitude_number x) {
-    cli_put(w, x.value);
-    cli_put(w, x.error);
-}
+static void put(cli_writer *w, sp_amplitude_number x) { cli_put(w, x.value, x.error); }
 
 /* ---- fronts ------------------------------------------------------------------------------------------------------ */
 
@@ -88,8 +85,7 @@ static void front_columns(cli_writer *w) {
 
 static void begin_row(const cli_file *file, double amplitude, cli_writer *w) {
     cli_put_text(w, file->path);
-    cli_put(w, file->packing.pressure);
-    cli_put(w, amplitude);
+    cli_put(w, file->packing.pressure, amplitude);
 }
 
 static void front_row(const cli_file *file, const sp_amplitude_front *pulse, cli_writer *w) {
@@ -147,11 +143,7 @@ static void mean_rows(const means *m, cli_writer *w) {
     quantity_columns(w);
     for (int32_t k = 0; k < m->n; k++) {
         const group *g = &m->group[k];
-        cli_put(w, g->dim);
-        cli_put(w, g->friction);
-        cli_put(w, g->pressure);
-        cli_put(w, g->amplitude);
-        cli_put(w, (double)g->n);
+        cli_put(w, g->dim, g->friction, g->pressure, g->amplitude, (double)g->n);
         for (int q = 0; q < QUANTITIES; q++) {
             cli_put(w, g->sum[q] / (double)g->n);
             if (q < WITH_ERRORS)
@@ -209,9 +201,7 @@ static void add_plane(const cli_file *file, double amplitude, const sp_amplitude
     put(w, a->overpressure);
     put(w, a->speed);
     put(w, a->speed_peak);
-    cli_put(w, e.solitary);
-    cli_put(w, e.kdv);
-    cli_put(w, e.nesterenko);
+    cli_put(w, e.solitary, e.kdv, e.nesterenko);
     cli_end_row(w);
 }
 
@@ -279,11 +269,7 @@ static void add_summary(const sp_packing *p, const sp_amplitude_second *s, cli_w
     put(w, s->speed);
     put(w, s->slope);
     put(w, s->beta);
-    cli_put(w, delta * s->beta.value);
-    cli_put(w, delta * s->beta.error);
-    cli_put(w, field_beta(p, s->speed.value));
-    cli_put(w, s->energy.defect);
-    cli_put(w, s->step);
+    cli_put(w, delta * s->beta.value, delta * s->beta.error, field_beta(p, s->speed.value), s->energy.defect, s->step);
 }
 
 static void burst_rows(const cli_file *file, const sp_amplitude_options *o, const sp_amplitude_burst *burst,
@@ -345,19 +331,19 @@ static const cli_option options[] = {
      "Amplitudes, relative to the mean overlap, as in signal --amplitude (0.001,0.01,0.1,1,10)",
      .parse = set_amplitudes},
     {"mean", NULL, "Print means over packings of the same pressure, friction and dimension, with standard errors",
-     CLI_FLAG, .field = offsetof(arguments, mean)},
+     CLI_FLAG, CLI_FIELD(mean)},
     {"planes", "N", "Print the fronts at N planes that divide the height into equal layers, and speeds between them",
-     CLI_INTEGER, .field = offsetof(arguments, planes), .low = 1, .high = PLANES_MAX},
+     CLI_INTEGER, CLI_FIELD(planes), .low = 1, .high = PLANES_MAX},
     {"omega", "W", "Send bursts of this frequency instead of pulses, and print their harmonics [sqrt(E* / rho)/d]",
-     CLI_NUMBER, .field = offsetof(arguments, omega), .low = 1e-9, .high = 1e9, .unit = "sqrt(E* / rho)/d"},
-    {"cycles", "N", "With --omega: length of the burst in periods (6)", CLI_INTEGER,
-     .field = offsetof(arguments, cycles), .low = 3, .high = 10000},
+     CLI_NUMBER, CLI_FIELD(omega), .low = 1e-9, .high = 1e9, .unit = "sqrt(E* / rho)/d"},
+    {"cycles", "N", "With --omega: length of the burst in periods (6)", CLI_INTEGER, CLI_FIELD(cycles), .low = 3,
+     .high = 10000},
     {"until", "T", "Last time; a run ends behind the front [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6))", CLI_NUMBER,
-     .field = offsetof(arguments, o.until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
+     CLI_FIELD(o.until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"tolerance", "EPS", "Largest relative error of the speed and of the balance of energy (0.001)", CLI_NUMBER,
-     .field = offsetof(arguments, o.tolerance), .low = 1e-8, .high = 0.1},
+     CLI_FIELD(o.tolerance), .low = 1e-8, .high = 0.1},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall, as in signal (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, o.source), .words = cli_source_names},
+     CLI_FIELD(o.source), .words = cli_source_names},
     {0}};
 
 const cli_syntax cmd_amplitude_syntax = {

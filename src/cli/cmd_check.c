@@ -11,9 +11,9 @@ typedef struct arguments {
     double tolerance;
 } arguments;
 
-static const cli_option options[] = {{"tolerance", "EPS", "Largest relative error that passes (2e-5)", CLI_NUMBER,
-                                      .field = offsetof(arguments, tolerance), .high = 1},
-                                     {0}};
+static const cli_option options[] = {
+    {"tolerance", "EPS", "Largest relative error that passes (2e-5)", CLI_NUMBER, CLI_FIELD(tolerance), .high = 1},
+    {0}};
 
 const cli_syntax cmd_check_syntax = {
     .usage = "FILE...",

@@ -19,39 +19,37 @@ static const char *const verdicts[] = {[SP_LINEAR_UNKNOWN] = "unknown", [SP_LINE
 
 static const cli_option options[] = {
     {.help = "Standard errors of the packing:"},
-    {"position", "SD", "Of each coordinate of each grain [d] (0)", CLI_NUMBER,
-     .field = offsetof(arguments, o.errors.position), .high = 1, .unit = "d"},
-    {"radius", "SD", "Of each radius [d] (0)", CLI_NUMBER, .field = offsetof(arguments, o.errors.radius), .high = 0.3,
+    {"position", "SD", "Of each coordinate of each grain [d] (0)", CLI_NUMBER, CLI_FIELD(o.errors.position), .high = 1,
      .unit = "d"},
-    {"force", "SD", "Of each normal force, relative to it (0)", CLI_NUMBER,
-     .field = offsetof(arguments, o.errors.force), .high = 2},
+    {"radius", "SD", "Of each radius [d] (0)", CLI_NUMBER, CLI_FIELD(o.errors.radius), .high = 0.3, .unit = "d"},
+    {"force", "SD", "Of each normal force, relative to it (0)", CLI_NUMBER, CLI_FIELD(o.errors.force), .high = 2},
     {"stiffness", "SD", "Of the stiffness of each contact, relative to it (0)", CLI_NUMBER,
-     .field = offsetof(arguments, o.errors.stiffness), .high = 2},
+     CLI_FIELD(o.errors.stiffness), .high = 2},
     {"calibration", "SD", "Of all stiffnesses together, relative to them (0)", CLI_NUMBER,
-     .field = offsetof(arguments, o.errors.calibration), .high = 2},
-    {"false", "P", "Probability that a listed contact carries no force (0)", CLI_NUMBER,
-     .field = offsetof(arguments, o.errors.false_part), .high = 1},
+     CLI_FIELD(o.errors.calibration), .high = 2},
+    {"false", "P", "Probability that a listed contact carries no force (0)", CLI_NUMBER, CLI_FIELD(o.errors.false_part),
+     .high = 1},
     {"missing", "P", "Probability that two grains, or a grain and a wall, carry force although they are not listed (0)",
-     CLI_NUMBER, .field = offsetof(arguments, o.errors.missing), .high = 1},
+     CLI_NUMBER, CLI_FIELD(o.errors.missing), .high = 1},
     {"gap", "D", "Farthest that the surfaces of such a pair may be apart [d] (0.01)", CLI_NUMBER,
-     .field = offsetof(arguments, o.errors.gap), .high = 1, .unit = "d"},
+     CLI_FIELD(o.errors.gap), .high = 1, .unit = "d"},
     {"missing-force", "F", "Largest force of such a contact over the mean force (0.2)", CLI_NUMBER,
-     .field = offsetof(arguments, o.errors.missing_force), .high = 10},
+     CLI_FIELD(o.errors.missing_force), .high = 10},
     {"from", "forces|overlaps",
      "What was measured: the force of each contact, or nothing but positions and radii (forces)", CLI_CHOICE,
-     .field = offsetof(arguments, o.errors.measured), .words = measured_names},
+     CLI_FIELD(o.errors.measured), .words = measured_names},
     {.help = "Estimates:"},
-    {"samples", "N", "Packings drawn with these errors; 0: first order alone (200)", CLI_INT,
-     .field = offsetof(arguments, o.samples), .high = 10000000},
-    {"seed", "S", "Seed of the errors (1)", CLI_INTEGER, .field = offsetof(arguments, o.seed), .high = 1e15},
-    {"sampled-only", NULL, "No first order", CLI_FLAG, .field = offsetof(arguments, sampled_only)},
+    {"samples", "N", "Packings drawn with these errors; 0: first order alone (200)", CLI_INT, CLI_FIELD(o.samples),
+     .high = 10000000},
+    {"seed", "S", "Seed of the errors (1)", CLI_INTEGER, CLI_FIELD(o.seed), .high = 1e15},
+    {"sampled-only", NULL, "No first order", CLI_FLAG, CLI_FIELD(sampled_only)},
     {.help = "Quantities:"},
-    {"modes", "N", "Add the N lowest frequencies (0)", CLI_INT, .field = offsetof(arguments, o.modes), .high = 10000},
-    {"front-only", NULL, "Leave out the moduli and their speeds", CLI_FLAG, .field = offsetof(arguments, front_only)},
+    {"modes", "N", "Add the N lowest frequencies (0)", CLI_INT, CLI_FIELD(o.modes), .high = 10000},
+    {"front-only", NULL, "Leave out the moduli and their speeds", CLI_FLAG, CLI_FIELD(front_only)},
     {"margin", "D", "Leave layers of this thickness at all walls out of the density [d] (3)", CLI_NUMBER,
-     .field = offsetof(arguments, o.margin), .high = 1e6, .unit = "d"},
+     CLI_FIELD(o.margin), .high = 1e6, .unit = "d"},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, o.source), .words = cli_source_names},
+     CLI_FIELD(o.source), .words = cli_source_names},
     {0}};
 
 static sp_status check(void *user, sp_error *err) {
@@ -181,8 +179,7 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
 }
 
 int cmd_uncertainty(int argc, char **argv) {
-    static const cli_files command = {
-        .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = add_columns, .add = add_rows};
+    static const cli_files command = {CLI_OF_NETWORK, .stop = true, .begin = add_columns, .add = add_rows};
     arguments a = {.o = sp_uncertainty_options_default()};
     a.o.samples = 200;
     a.o.seed = 1;

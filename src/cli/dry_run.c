@@ -1,7 +1,7 @@
 /* Prints what a command would make: --dry-run. */
-#include "cli/dry_run.h"
 #include "base/base.h"
 #include "base/file.h"
+#include "cli/files.h"
 
 #include <math.h>
 #include <sonopack/study/forecast.h>

@@ -51,24 +51,22 @@ static const cli_option options[] = {
     {"goal", "delay|advance|band:W1:W2",
      "A late front, an early front, or little energy between two frequencies [sqrt(E* / rho)/d]", .parse = set_goal,
      .words = goal_names},
-    {"vary", "mass|modulus|radius", "What of each grain is changed (mass)", CLI_CHOICE,
-     .field = offsetof(arguments, o.vary), .words = vary_names},
-    {"limits", "LOW:HIGH", "Limits of the factor of each grain (0.5:2; radius: 0.98:1.02)", CLI_PAIR,
-     .field = offsetof(arguments, limits), .high = 1e9},
-    {"free", NULL, "The total mass, sum of moduli or volume need not be kept", CLI_FLAG,
-     .field = offsetof(arguments, o.free)},
-    {"packing", "FILE", "Write the packing of these grains, .h5 or .txt", CLI_TEXT,
-     .field = offsetof(arguments, packing)},
+    {"vary", "mass|modulus|radius", "What of each grain is changed (mass)", CLI_CHOICE, CLI_FIELD(o.vary),
+     .words = vary_names},
+    {"limits", "LOW:HIGH", "Limits of the factor of each grain (0.5:2; radius: 0.98:1.02)", CLI_PAIR, CLI_FIELD(limits),
+     .high = 1e9},
+    {"free", NULL, "The total mass, sum of moduli or volume need not be kept", CLI_FLAG, CLI_FIELD(o.free)},
+    {"packing", "FILE", "Write the packing of these grains, .h5 or .txt", CLI_TEXT, CLI_FIELD(packing)},
     {"rows", "steps|grains", "Rows of the table: the steps of the search, or the grains with their factors (steps)",
-     CLI_CHOICE, .field = offsetof(arguments, rows), .words = row_names},
-    {"iterations", "N", "Steps at most; 0: the first gradient alone (50)", CLI_INT,
-     .field = offsetof(arguments, o.iterations), .high = 100000},
+     CLI_CHOICE, CLI_FIELD(rows), .words = row_names},
+    {"iterations", "N", "Steps at most; 0: the first gradient alone (50)", CLI_INT, CLI_FIELD(o.iterations),
+     .high = 100000},
     {"tolerance", "EPS", "End where a step gains less than this part of all that was gained (0.001)", CLI_NUMBER,
-     .field = offsetof(arguments, o.tolerance), .high = 0.999},
+     CLI_FIELD(o.tolerance), .high = 0.999},
     {"until", "T", "band: length of the signal [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6))", CLI_NUMBER,
-     .field = offsetof(arguments, o.until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
+     CLI_FIELD(o.until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"source", "impulse|velocity|displacement", "Kind of source at the bottom wall (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, o.source), .words = cli_source_names},
+     CLI_FIELD(o.source), .words = cli_source_names},
     {0}};
 
 const cli_syntax cmd_design_syntax = {
@@ -97,14 +95,8 @@ static bool is_band(const arguments *a) { return a->o.goal == SP_DESIGN_BAND; }
 
 static sp_status begin(void *user, cli_writer *w) {
     const arguments *a = user;
-    if (a->packing) {
-        const bool text = cli_has_ending(a->packing, ".txt");
-        if (!text && !cli_is_hdf5(a->packing))
-            return sp_fail(w->err, SP_EINVAL, "--packing %.200s: must end in .h5 or .txt", a->packing);
-        sp_status status = cli_may_write(&a->common, a->packing, w->err);
-        if (status != SP_OK)
-            return status;
-    }
+    if (a->packing)
+        w->status = cli_may_write_packing(&a->common, "--packing", a->packing, w->err);
     if (a->rows == ROWS_GRAINS) {
         cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
         cli_columns(w, SP_COLUMN_NUMBER, "x", "d", "y", "d", "z", "d", "r", "d", "factor", "", NULL);
@@ -166,15 +158,13 @@ static sp_status design(void *user, cli_file *file, cli_writer *w) {
     }
     CLI_THEN(status, add_rows(a, &d, w));
     if (status == SP_OK && a->packing)
-        status = cli_has_ending(a->packing, ".txt") ? sp_packing_save_text(&d.packing, a->packing, w->err)
-                                                    : sp_packing_save(&d.packing, a->packing, w->err);
+        status = cli_save_packing(&d.packing, a->packing, w->err);
     sp_design_free(&d);
     return status;
 }
 
 int cmd_design(int argc, char **argv) {
-    static const cli_files command = {
-        .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = design};
+    static const cli_files command = {CLI_OF_NETWORK, .stop = true, .begin = begin, .add = design};
     arguments a = {.o = sp_design_options_default(), .limits = {NAN, NAN}};
     a.o.iterations = 50;
     cli_parse(&cmd_design_syntax, argc, argv, &a);

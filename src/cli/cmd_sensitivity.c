@@ -203,8 +203,7 @@ static sp_status differentiate(const arguments *a, const cli_file *file, sp_grad
 static void put_partial(cli_writer *w, const sp_partials *d, int64_t k, double parameter) {
     if (d->n == 0)
         return;
-    cli_put(w, parameter * d->d[k]);
-    cli_put(w, parameter * d->error[k]);
+    cli_put(w, parameter * d->d[k], parameter * d->error[k]);
 }
 
 static void columns_of(cli_writer *w, const sp_partials *d, const char *name, const char *error, const char *unit) {
@@ -215,13 +214,10 @@ static void columns_of(cli_writer *w, const sp_partials *d, const char *name, co
 /* The middle of the line that a contact is drawn along. */
 static void put_contact(cli_writer *w, const sp_network *net, int32_t k) {
     const sp_spring *s = &net->springs[k];
-    cli_put(w, s->contact);
-    cli_put(w, net->grain[s->i]);
-    cli_put(w, s->j < 0 ? s->j : net->grain[s->j]);
+    cli_put(w, s->contact, net->grain[s->i], s->j < 0 ? s->j : net->grain[s->j]);
     for (int a = 0; a < net->dim; a++)
         cli_put(w, net->x[3 * (int64_t)s->i + a] + (s->j < 0 ? 1 : 0.5) * net->length[k] * s->n[a]);
-    cli_put(w, s->kn);
-    cli_put(w, s->kt);
+    cli_put(w, s->kn, s->kt);
 }
 
 static sp_status contact_rows(const cli_file *file, const sp_gradient *g, const char *unit, cli_writer *w) {
@@ -257,8 +253,7 @@ static sp_status grain_rows(const cli_file *file, const sp_gradient *g, const ch
         cli_put(w, net->grain[k]);
         for (int a = 0; a < net->dim; a++)
             cli_put(w, net->x[3 * (int64_t)k + a]);
-        cli_put(w, net->r[k]);
-        cli_put(w, mass);
+        cli_put(w, net->r[k], mass);
         put_partial(w, &g->mass, k, mass);
         put_partial(w, &g->radius, k, net->r[k]);
         for (int a = 0; a < net->dim && g->position.n > 0; a++)
@@ -287,23 +282,22 @@ static const cli_option options[] = {
     {"of", "QUANTITY",
      "What to differentiate: t10, t_peak, peak, t_zero or width of the first front; F, the signal at --at; omega:N or "
      "omega:N-M, the mean omega^2 of modes; c_l, c_t (or cl, ct), C11, C12, ... (t10)",
-     .parse = set_quantity, .field = offsetof(arguments, of)},
+     .parse = set_quantity, CLI_FIELD(of)},
     {"by", "LIST", "Parameters: kn,kt of the contacts; mass,radius,position of the grains; or pressure (kn,kt)",
-     .parse = set_parameters, .field = offsetof(arguments, by)},
-    {"at", "T", "Time of F [d/sqrt(E* / rho)]", CLI_NUMBER, .field = offsetof(arguments, at), .high = 1e9,
-     .unit = "d/sqrt(E* / rho)"},
+     .parse = set_parameters, CLI_FIELD(by)},
+    {"at", "T", "Time of F [d/sqrt(E* / rho)]", CLI_NUMBER, CLI_FIELD(at), .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"until", "T", "Last time at which the front is sought [d/sqrt(E* / rho)] (as of signal)", CLI_NUMBER,
-     .field = offsetof(arguments, until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
+     CLI_FIELD(until), .low = 1e-9, .high = 1e9, .unit = "d/sqrt(E* / rho)"},
     {"margin", "D", "c_l, c_t: leave layers of this thickness at all walls out of the density [d] (3)", CLI_NUMBER,
-     .field = offsetof(arguments, margin), .high = 1e6},
+     CLI_FIELD(margin), .high = 1e6},
     {"pulse", "PULSE", "Strength of the source against time: delta, gauss:WIDTH or ricker:OMEGA (delta)",
-     .parse = cli_pulse_parse, .field = offsetof(arguments, pulse)},
-    {"source", "impulse|velocity|displacement", "Kind of source, as in signal (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, source), .words = cli_source_names},
+     .parse = cli_pulse_parse, CLI_FIELD(pulse)},
+    {"source", "impulse|velocity|displacement", "Kind of source, as in signal (impulse)", CLI_CHOICE, CLI_FIELD(source),
+     .words = cli_source_names},
     {"from", "PLACE", "Source at bottom, part:X0:X1, plane:Y or grain:I (bottom)", .parse = cli_places_add,
-     .field = offsetof(arguments, sources)},
+     CLI_FIELD(sources)},
     {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top)", .parse = cli_places_add,
-     .field = offsetof(arguments, detectors)},
+     CLI_FIELD(detectors)},
     {0}};
 
 static sp_status check(void *user, sp_error *err) {
@@ -409,8 +403,7 @@ static sp_status compute(void *user, cli_file *file, cli_writer *w) {
 }
 
 int cmd_sensitivity(int argc, char **argv) {
-    static const cli_files command = {
-        .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = open_pulse, .add = compute};
+    static const cli_files command = {CLI_OF_NETWORK, .stop = true, .begin = open_pulse, .add = compute};
     arguments a = {.of = {.word = "t10", .front = SP_FRONT_T10},
                    .by = SP_BY_KN | SP_BY_KT,
                    .at = -1,

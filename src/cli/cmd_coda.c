@@ -20,36 +20,31 @@ typedef struct arguments {
 
 static const cli_option options[] = {
     {.help = "Measured signals:"},
-    {"before", "TABLE", "Signals before the change: columns t and F, or F1, F2, ...", CLI_TEXT,
-     .field = offsetof(arguments, before)},
-    {"after", "TABLE", "Signals after the change, at the same times", CLI_TEXT, .field = offsetof(arguments, after)},
+    {"before", "TABLE", "Signals before the change: columns t and F, or F1, F2, ...", CLI_TEXT, CLI_FIELD(before)},
+    {"after", "TABLE", "Signals after the change, at the same times", CLI_TEXT, CLI_FIELD(after)},
     {.help = "Computed signals:"},
     {"change", "EPS", "Relative change of the stiffness of all contacts of a grain (0.01)", CLI_NUMBER,
-     .field = offsetof(arguments, change), .low = -0.99, .high = 10},
-    {"grain", "I", "The grain that changes", CLI_INTEGER, .field = offsetof(arguments, grain), .high = INT32_MAX},
+     CLI_FIELD(change), .low = -0.99, .high = 10},
+    {"grain", "I", "The grain that changes", CLI_INTEGER, CLI_FIELD(grain), .high = INT32_MAX},
     {"trials", "N", "Change N grains drawn at random, one after another, and tell how far away they are found",
-     CLI_INTEGER, .field = offsetof(arguments, trials), .low = 1, .high = 1000000},
-    {"seed", "S", "Seed of the noise and of the trials (1)", CLI_INTEGER, .field = offsetof(arguments, seed),
-     .high = 1e15},
-    {"points", "N", "Number of equally spaced times in the window (400)", CLI_INTEGER,
-     .field = offsetof(arguments, points), .low = 10, .high = 1000000},
+     CLI_INTEGER, CLI_FIELD(trials), .low = 1, .high = 1000000},
+    {"seed", "S", "Seed of the noise and of the trials (1)", CLI_INTEGER, CLI_FIELD(seed), .high = 1e15},
+    {"points", "N", "Number of equally spaced times in the window (400)", CLI_INTEGER, CLI_FIELD(points), .low = 10,
+     .high = 1000000},
     {.help = "Comparison:"},
     {"window", "T1:T2", "Times that are compared [d/sqrt(E* / rho)] (W/2:2 W with W = (8 H + 40) (p/1e-4)^(-1/6))",
-     CLI_PAIR, .field = offsetof(arguments, window), .high = 1e9},
+     CLI_PAIR, CLI_FIELD(window), .high = 1e9},
     {"noise", "SD",
      "Noise of both signals, relative to the root mean square of the signal in the window (0; of measured signals what "
      "the best fit leaves)",
-     CLI_NUMBER, .field = offsetof(arguments, noise), .high = 1e6},
-    {"from", "PLACE", "Source, as in signal (bottom); repeatable", .parse = cli_places_add,
-     .field = offsetof(arguments, sources)},
-    {"detector", "PLACE", "Detector, as in signal (top); repeatable", .parse = cli_places_add,
-     .field = offsetof(arguments, detectors)},
-    {"component", "normal|shear", "Component at every PLACE without one (normal)", CLI_CHOICE,
-     .field = offsetof(arguments, component), .words = cli_component_names},
-    {"source", "impulse|velocity|displacement", "Kind of source (impulse)", CLI_CHOICE,
-     .field = offsetof(arguments, source), .words = cli_source_names},
-    {"rows", "N", "Print the N most probable grains (20)", CLI_INTEGER, .field = offsetof(arguments, rows), .low = 1,
-     .high = INT32_MAX},
+     CLI_NUMBER, CLI_FIELD(noise), .high = 1e6},
+    {"from", "PLACE", "Source, as in signal (bottom); repeatable", .parse = cli_places_add, CLI_FIELD(sources)},
+    {"detector", "PLACE", "Detector, as in signal (top); repeatable", .parse = cli_places_add, CLI_FIELD(detectors)},
+    {"component", "normal|shear", "Component at every PLACE without one (normal)", CLI_CHOICE, CLI_FIELD(component),
+     .words = cli_component_names},
+    {"source", "impulse|velocity|displacement", "Kind of source (impulse)", CLI_CHOICE, CLI_FIELD(source),
+     .words = cli_source_names},
+    {"rows", "N", "Print the N most probable grains (20)", CLI_INTEGER, CLI_FIELD(rows), .low = 1, .high = INT32_MAX},
     {0}};
 
 static sp_status check(void *user, sp_error *err) {
@@ -378,8 +373,7 @@ static sp_status begin(void *user, cli_writer *w) {
 }
 
 int cmd_coda(int argc, char **argv) {
-    static const cli_files command = {
-        .groups = "network", .contents = CLI_NETWORK, .stop = true, .begin = begin, .add = add_rows};
+    static const cli_files command = {CLI_OF_NETWORK, .stop = true, .begin = begin, .add = add_rows};
     arguments a = {.change = 0.01,
                    .grain = -1,
                    .seed = 1,
