@@ -113,17 +113,16 @@ static const char *moduli_of(int dim) { return dim == 3 ? "C11 C12 C13 C22 C23 C
 
 /* Notes which strains the network does not resist, or even helps. */
 static void explain_mechanisms(const arguments *a, const char *path, const sp_moduli *m) {
-    const struct {
-        const char *name;
-        double value;
-    } each[] = {{"C11", m->c11}, {"C22", m->c22}, {"C33", m->c33}, {"C44", m->c44}, {"C55", m->c55}, {"C66", m->c66}};
-    for (size_t k = 0; k < sizeof each / sizeof *each; k++) {
-        if (each[k].value == 0)
+    const char *symbols = "C11 C22 C33 C44 C55 C66";
+    const sp_quantity *of;
+    while ((of = sp_quantity_next(sp_moduli_quantities, &symbols))) {
+        const double value = sp_quantity_value(of, m);
+        if (value == 0)
             cli_note(&a->common, "%s: %s is 0: the grains can follow this strain without deforming a contact", path,
-                     each[k].name);
-        if (each[k].value < 0)
+                     of->symbol);
+        if (value < 0)
             cli_note(&a->common, "%s: %s is below 0: at its prestress the packing gives way to this strain", path,
-                     each[k].name);
+                     of->symbol);
     }
 }
 

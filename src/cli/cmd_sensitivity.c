@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "cli/excitation.h"
 #include "cli/files.h"
+#include "sensitivity/gradient.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -34,15 +35,12 @@ typedef struct arguments {
 } arguments;
 
 static const char *const fronts[] = {"t10", "t_peak", "peak", "t_zero", "width", NULL}; /* bits of sp_front_quantity */
-static const char *const moduli[SP_MODULUS_COUNT] = {"C11", "C12", "C22", "C33", "C13", "C23",
-                                                     "C44", "C55", "C66", "cl",  "ct"};
 static const char *const parameters[] = {"kn", "kt", "mass", "radius", "position", "pressure"};
 
-/* The names of the table of moduli, c_l and c_t, serve as well. */
-static bool is_modulus(const char *word, int k) {
-    const char *const name = moduli[k];
-    return strcmp(word, name) == 0 ||
-           (name[0] == 'c' && strncmp(word, "c_", 2) == 0 && strcmp(word + 2, name + 1) == 0);
+/* The names of the table of moduli; cl and ct serve as well as c_l and c_t. */
+static bool is_modulus(const char *word, sp_modulus of) {
+    const char *const name = sp_modulus_name(of);
+    return strcmp(word, name) == 0 || (name[1] == '_' && word[0] == name[0] && strcmp(word + 1, name + 2) == 0);
 }
 
 static sp_status wrong(const char *word, sp_error *err) {
@@ -78,7 +76,7 @@ static sp_status set_quantity(void *field, const char *word, sp_error *err) {
             return SP_OK;
         }
     for (int k = 0; k < SP_MODULUS_COUNT; k++)
-        if (is_modulus(word, k)) {
+        if (is_modulus(word, (sp_modulus)k)) {
             q->kind = SENSITIVITY_MODULUS;
             q->modulus = (sp_modulus)k;
             return SP_OK;

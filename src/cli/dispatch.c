@@ -5,6 +5,7 @@
 #include "cli/cli.h"
 
 #include <errno.h>
+#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -33,15 +34,28 @@ static sp_status find_program(const char *name, char path[PROGRAM_MAX], sp_error
         name, name);
 }
 
+/* Becomes the program, or says why not. Ctrl-C waits until the program lets it through: while Python begins, it would
+ * end in a traceback. */
+static void become(const char *path, char **argv, sp_error *err) {
+    sigset_t interrupt, before;
+    sigemptyset(&interrupt);
+    sigaddset(&interrupt, SIGINT);
+    sigprocmask(SIG_BLOCK, &interrupt, &before);
+    execv(path, argv);
+    const int reason = errno;
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    sp_fail(err, SP_EFAILED, "%s: %s", path,
+            reason == ENOENT ? "the interpreter that its first line names is not here: install python3"
+                             : strerror(reason));
+}
+
 /* argv[0] is "sonopack NAME"; it and the arguments go on as they are. */
 int cmd_dispatch(int argc, char **argv) {
     char path[PROGRAM_MAX];
     sp_error err = {0};
     (void)argc;
-    if (find_program(strchr(argv[0], ' ') + 1, path, &err) == SP_OK) {
-        execv(path, argv);
-        sp_fail(&err, SP_EFAILED, "%s: %s", path, strerror(errno));
-    }
+    if (find_program(strchr(argv[0], ' ') + 1, path, &err) == SP_OK)
+        become(path, argv, &err);
     return cli_fail(&err);
 }
 
@@ -73,8 +87,10 @@ sp_status cli_save_foreign(const cli_common *common, const char *text, sp_error 
     const pid_t child = status == SP_OK ? fork() : -1;
     if (child == 0) {
         if (lseek(fileno(table), 0, SEEK_SET) == 0 && dup2(fileno(table), STDIN_FILENO) >= 0 &&
-            dup2(fileno(messages), STDERR_FILENO) >= 0)
-            execv(path, argv);
+            dup2(fileno(messages), STDERR_FILENO) >= 0) {
+            become(path, argv, err);
+            dprintf(STDERR_FILENO, "sonopack: %s\n", err->text);
+        }
         _exit(CLI_FAILED);
     }
     if (status == SP_OK && (child < 0 || waitpid(child, &result, 0) != child))

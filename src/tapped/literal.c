@@ -16,7 +16,7 @@
 
 enum { HEIGHT_ABOVE = 40 }; /* height of the field above the column, in h; Theta is below 1e-26 of its maximum there */
 
-typedef struct field {
+typedef struct continuum {
     const sp_tapped_spec *c;
     double h, dz;
     double t;
@@ -26,7 +26,7 @@ typedef struct field {
     double *u, *next; /* [cells + 2 reach]: from `reach` cells below the floor to `reach` cells above the field */
     double *theta, *weight, *steady; /* (44) in the same cells; (h - |y|) K/m dy; the integral for e = 0 */
     double *block;
-} field;
+} continuum;
 
 static double theta(const sp_tapped_spec *c, double x) {
     double h = 2 * sp_tapped_radius(c, 1), b = 7 * h, width = 3 * h, off = (x - b) / width;
@@ -70,10 +70,10 @@ double sp_tapped_bsr_force(const sp_tapped_spec *c, sp_tapped_bsr which) {
 
 /* ---- the field -------------------------------------------------------------------------------------------------- */
 
-static sp_status make(const sp_tapped_spec *c, field *f, sp_error *err) {
+static sp_status make(const sp_tapped_spec *c, continuum *f, sp_error *err) {
     double radius = sp_tapped_radius(c, 1), high = c->particles + fmax(0, c->drop) / (2 * radius);
     double strength = sp_tapped_stiffness(c) / sp_tapped_mass(c, 1);
-    *f = (field){.c = c, .h = 2 * radius};
+    *f = (continuum){.c = c, .h = 2 * radius};
     f->reach = c->cells;
     f->dz = f->h / c->cells;
     f->inside = c->particles;
@@ -110,7 +110,7 @@ static double tanh_ratio(double x) { return fabs(x) < 1e-3 ? 1 - x * x / 3 : fab
  * the velocities of the neighbours, because S sigma(S w) = sigma(w) for both signs. For a large alpha_v this rate is
  * too stiff for an explicit step. The step is therefore implicit in u(z), with the ratio tanh(w)/w taken at its start.
  */
-static double velocity_change(const field *f, int64_t j, double dt) {
+static double velocity_change(const continuum *f, int64_t j, double dt) {
     const double here = f->u[j + f->reach], rate = f->c->e * f->c->alpha_v;
     double sum = 0, drawn = 0;
     if (rate > 0)
@@ -129,7 +129,7 @@ static double godunov(double left, double right) { /* for the flux u^2/2 */
 }
 
 /* Values outside the field: below, the floor's velocity as (46) demands; above, free fall. */
-static void set_boundaries(field *f, double dt) {
+static void set_boundaries(continuum *f, double dt) {
     double under = sp_tapped_floor_velocity(f->c, f->t + dt / 2), over = -f->c->gravity * f->t;
     for (int32_t k = 0; k < f->reach; k++) {
         f->u[k] = under;
@@ -137,11 +137,11 @@ static void set_boundaries(field *f, double dt) {
     }
 }
 
-static double stable_step(const field *f, double fastest) {
+static double stable_step(const continuum *f, double fastest) {
     return 0.45 * f->dz / (fastest + sqrt(f->c->gravity * f->h));
 }
 
-static void advance(field *f, double dt) {
+static void advance(continuum *f, double dt) {
     const int32_t at = f->reach;
     set_boundaries(f, dt);
     for (int64_t j = 0; j < f->cells; j++) {
@@ -154,7 +154,7 @@ static void advance(field *f, double dt) {
 }
 
 /* Interpolates u linearly at z, and returns its slope u_z. */
-static double velocity(const field *f, double z, double *slope) {
+static double velocity(const continuum *f, double z, double *slope) {
     double x = z / f->dz - 0.5;
     int64_t j = (int64_t)fmin(fmax(floor(x), 0), (double)f->cells - 2);
     const double *u = f->u + f->reach + j;
@@ -165,7 +165,7 @@ static double velocity(const field *f, double z, double *slope) {
 /* ---- the particles ---------------------------------------------------------------------------------------------- */
 
 static void place_particles(void *model, sp_tapped_frame *at) {
-    const field *f = model;
+    const continuum *f = model;
     const sp_tapped_spec *c = f->c;
     if (c->drop < 0)
         sp_tapped_rest(c, at->y + 1);
@@ -179,7 +179,7 @@ static void place_particles(void *model, sp_tapped_frame *at) {
 }
 
 /* Moves the particles by dy/dt = u(y, t), and their densities by (48) along the path: d rho/dt = -u_z rho. */
-static void move_particles(field *f, double dt, const sp_tapped_frame *from, sp_tapped_frame *to) {
+static void move_particles(continuum *f, double dt, const sp_tapped_frame *from, sp_tapped_frame *to) {
     const double gravity = f->c->gravity;
     f->inside = 0;
     for (int32_t i = 1; i <= f->c->particles; i++) {
@@ -199,7 +199,7 @@ static void move_particles(field *f, double dt, const sp_tapped_frame *from, sp_
 }
 
 static sp_status step(void *model, double until, const sp_tapped_frame *from, sp_tapped_frame *to, sp_error *err) {
-    field *f = model;
+    continuum *f = model;
     double fastest = fabs(sp_tapped_floor_velocity(f->c, f->t)), dt = f->c->period / 100, end;
     if (f->inside > 0) {
         for (int64_t j = 0; j < f->cells; j++)
@@ -225,7 +225,7 @@ static sp_status step(void *model, double until, const sp_tapped_frame *from, sp
 
 /* Bounds the step by the velocity of a fall from the top of the column under gravity and the largest force, onto the
  * moving floor. */
-static sp_status check(const field *f, const sp_tapped_spec *c, sp_error *err) {
+static sp_status check(const continuum *f, const sp_tapped_spec *c, sp_error *err) {
     double down = c->gravity * (1 + (1 + c->e) * sp_tapped_bsr_force(c, c->bsr));
     double top = c->particles * f->h + fmax(0, c->drop);
     double bound = stable_step(f, 2 * M_PI * c->frequency * c->amplitude + sqrt(2 * down * top));
@@ -234,7 +234,7 @@ static sp_status check(const field *f, const sp_tapped_spec *c, sp_error *err) {
 
 sp_status sp_tapped_literal(const sp_tapped_spec *c, const sp_tapped_rows *rows, sp_tapped_report *report,
                             sp_error *err) {
-    field f = {.c = c};
+    continuum f = {.c = c};
     const sp_tapped_bsr_scheme scheme = {&f, place_particles, step};
     sp_status status = sp_tapped_check_equal(c, err);
     if (status == SP_OK)

@@ -9,8 +9,10 @@ import pathlib
 import pty
 import re
 import resource
+import shutil
 import signal
 import subprocess
+import sys
 
 import numpy as np
 
@@ -178,6 +180,25 @@ def low_boxes():
         assert not run(*command, N200).stderr and not run(*command, "low.txt", "--quiet").stderr
 
 
+def programs_beside():
+    """A program of the package begins with Ctrl-C held back. One whose interpreter is missing is said so."""
+    folder = pathlib.Path("beside").resolve()
+    folder.mkdir()
+    shutil.copy(COMMAND, folder / "sonopack")
+    mask = f"#!{sys.executable}\nimport signal\nprint(signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, []))\n"
+    for name, text in (("plot", mask), ("view", "#!/no/such/python3\n"),
+                       ("save-table", "#!/no/such/python3\n")):
+        (folder / f"sonopack-{name}").write_text(text)
+        (folder / f"sonopack-{name}").chmod(0o755)
+    command = str(folder / "sonopack")
+    done = subprocess.run([command, "plot"], text=True, capture_output=True, timeout=PATIENCE)
+    assert done.stdout == "True\n", done
+    for words in (["view", N200], ["statics", N200, "-o", "table.mat"]):
+        done = subprocess.run([command, *map(str, words)], text=True, capture_output=True, timeout=PATIENCE)
+        assert done.returncode == 1 and names_all(done.stderr, "sonopack- interpreter python3") and \
+            len(done.stderr.splitlines()) == 1, done
+
+
 def work_of_children():
     usage = resource.getrusage(resource.RUSAGE_CHILDREN)
     return usage.ru_utime + usage.ru_stime
@@ -196,4 +217,4 @@ def memory():
         assert done.returncode in (0, 127), (kilobytes, done)
 
 
-main(streams, overwriting, summary, check, statics, progress, low_boxes, memory)
+main(streams, overwriting, summary, check, statics, progress, low_boxes, programs_beside, memory)

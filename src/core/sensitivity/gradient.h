@@ -18,7 +18,7 @@ sp_status sp_gradient_make(const sp_products *p, unsigned parameters, const sp_p
                            sp_gradient *out, sp_error *err);
 
 bool sp_modulus_exists(int dim, sp_modulus which);
-const char *sp_modulus_name(sp_modulus which);
+SP_SHARED const char *sp_modulus_name(sp_modulus which);
 double sp_modulus_value(const sp_moduli *m, sp_modulus which); /* NAN: not computed */
 
 #endif

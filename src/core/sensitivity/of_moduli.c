@@ -6,6 +6,7 @@
 #include "elastic/moduli.h"
 #include "elastic/strain.h"
 #include "sensitivity/gradient.h"
+#include "table/quantity.h"
 
 #include <math.h>
 
@@ -163,8 +164,8 @@ const char *sp_modulus_name(sp_modulus which) {
 }
 
 double sp_modulus_value(const sp_moduli *m, sp_modulus which) {
-    const double values[] = {m->c11, m->c12, m->c22, m->c33, m->c13, m->c23, m->c44, m->c55, m->c66, m->c_l, m->c_t};
-    return values[which];
+    const char *symbol = sp_modulus_name(which);
+    return sp_quantity_value(sp_quantity_next(sp_moduli_quantities, &symbol), m);
 }
 
 static double error_of(const sp_moduli *m, sp_modulus which, double density) {

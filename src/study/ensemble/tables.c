@@ -104,8 +104,7 @@ static sp_status explain_no_means(const sp_sample *row, int64_t samples, const a
         return SP_OK;
     return sp_table_add_comment(t, err, "p = %.6g, %d grains: up to %lld of %lld samples have no %s%s", row->pressure,
                                 row->grains, (long long)most, (long long)samples, list,
-                                a->part == SP_WANT_STATICS ? " (a box below six diameters has no bulk, a "
-                                                             "sample of an earlier version no s12_over_s2)"
+                                a->part == SP_WANT_STATICS ? " (a box below six diameters has no bulk)"
                                 : !(row->friction > 0)     ? " (walls do not grip grains without friction)"
                                                            : "");
 }

@@ -162,26 +162,25 @@ static bool is_quantity(const char *value) {
 
 /* ---- --set ------------------------------------------------------------------------------------------------------- */
 
-/* Words need no quotes, and lists of them no brackets. NULL: no memory. */
-static const config_setting_t *add_words(config_setting_t *root, const char *value) {
-    static const char between[] = "[(,\")] \t";
-    if (!strpbrk(value, "[(,")) {
-        config_setting_t *one = config_setting_add(root, "value", CONFIG_TYPE_STRING);
-        char word[64];
-        value += strspn(value, between);
-        snprintf(word, sizeof word, "%.*s", (int)strcspn(value, "\""), value);
-        return one && config_setting_set_string(one, word) ? one : NULL;
-    }
-    config_setting_t *list = config_setting_add(root, "value", CONFIG_TYPE_LIST);
-    for (value += strspn(value, between); list && *value; value += strspn(value, between)) {
-        const size_t length = strcspn(value, between);
-        char word[64];
-        snprintf(word, sizeof word, "%.*s", (int)length, value);
-        if (!config_setting_set_string_elem(list, -1, word))
-            return NULL;
+/* Adds a value whose words need no quotes, and whose lists of them no brackets, as it would stand in a scene. false: a
+ * word follows a word. */
+static bool add_words(const char *value, sp_text *out) {
+    static const char ends[] = "[(,\")]{}=; \t\\";
+    const bool list = strchr(value, ',') && !strchr("[(", value[strspn(value, " \t")]);
+    bool after_word = false;
+    sp_text_add(out, list ? "value = [" : "value = ");
+    while (*value) {
+        const size_t bare = strcspn(value, ends), quoted = *value == '"' ? 1 + strcspn(value + 1, "\"") : 0;
+        const bool word = bare > 0 || quoted > 0, blank = *value == ' ' || *value == '\t';
+        if (word && after_word)
+            return false;
+        const size_t length = bare > 0 ? bare : quoted > 0 && value[quoted] ? quoted + 1 : 1;
+        sp_text_add(out, bare > 0 ? "\"%.*s\"" : "%.*s", (int)length, value);
+        after_word = word || (blank && after_word);
         value += length;
     }
-    return list;
+    sp_text_add(out, list ? "]" : "");
+    return true;
 }
 
 static const config_setting_t *add_string(config_setting_t *root, const char *value) {
@@ -191,12 +190,18 @@ static const config_setting_t *add_string(config_setting_t *root, const char *va
 
 /* Parses a value as it would stand in a scene. Lists of numbers need no brackets. */
 static sp_status parse_value(const sp_reader *r, const sp_field *f, const char *value, config_t *config) {
+    const bool words = (f->type == SP_FIELD_WORD || f->type == SP_FIELD_LIST) && value[0] != '{';
     const bool numbers = f->type == SP_FIELD_REALS && value[strspn(value, "0123456789+-.eE, \t")] == '\0' &&
                          strpbrk(value, "0123456789");
     char right[200];
     sp_text text = {0};
-    sp_text_add(&text, numbers ? "value = [%s]" : "value = %s", value);
-    sp_status status = text.failed ? sp_fail_memory(r->err, strlen(value)) : SP_OK;
+    sp_status status = SP_OK;
+    if (!words)
+        sp_text_add(&text, numbers ? "value = [%s]" : "value = %s", value);
+    else if (!add_words(value, &text))
+        status = SP_EINVAL;
+    if (text.failed)
+        status = sp_fail_memory(r->err, strlen(value));
     if (status == SP_OK)
         status = sp_source_parse(text.data, "value", config, r->err);
     sp_text_free(&text);
@@ -209,15 +214,14 @@ static sp_status parse_value(const sp_reader *r, const sp_field *f, const char *
 
 static sp_status read_override_value(sp_reader *r, const sp_field *f, const char *value) {
     const bool file = (f->type == SP_FIELD_FILE || f->type == SP_FIELD_PATH) && value[0] != '"';
-    const bool words = (f->type == SP_FIELD_WORD || f->type == SP_FIELD_LIST) && value[0] != '{';
     const bool quantity = (sp_field_is_number(f) || f->type == SP_FIELD_REALS) && is_quantity(value);
     sp_status status = SP_OK;
     config_t config;
     config_init(&config);
     config_setting_t *root = config_root_setting(&config);
     const config_setting_t *setting = NULL;
-    if (words || file || quantity) {
-        setting = words ? add_words(root, value) : add_string(root, value);
+    if (file || quantity) {
+        setting = add_string(root, value);
         status = setting ? SP_OK : sp_fail_memory(r->err, strlen(value));
     } else {
         status = parse_value(r, f, value, &config);

@@ -290,11 +290,11 @@ sp_status sp_failure_read(const char *path, const char *name, sp_sample *out, sp
 enum { NAME = 32, LONGEST_LINE = 16384 };
 
 /* Place of the last line of a sample. */
-typedef struct place {
+typedef struct manifest_line {
     char name[NAME + 1];
     int32_t length; /* without the end of line */
     int64_t at;     /* from the beginning of the file */
-} place;
+} manifest_line;
 
 struct sp_manifest {
     char path[SP_PATH_MAX];
@@ -306,19 +306,19 @@ struct sp_manifest {
 };
 
 static int compare_names(const void *a, const void *b) {
-    return strcmp(((const place *)a)->name, ((const place *)b)->name);
+    return strcmp(((const manifest_line *)a)->name, ((const manifest_line *)b)->name);
 }
 
 /* Whether the line is in the tree, or not one of a sample. */
 static bool index_line(sp_manifest *m, const char *line, int64_t length, int64_t at) {
     if (length <= NAME || length >= LONGEST_LINE || line[NAME] != '\t')
         return true;
-    place *fresh = sp_alloc(1, sizeof *fresh);
+    manifest_line *fresh = sp_alloc(1, sizeof *fresh);
     if (!fresh)
         return false;
-    *fresh = (place){.length = (int32_t)length, .at = at};
+    *fresh = (manifest_line){.length = (int32_t)length, .at = at};
     memcpy(fresh->name, line, NAME);
-    place **found = tsearch(fresh, &m->tree, compare_names);
+    manifest_line **found = tsearch(fresh, &m->tree, compare_names);
     if (found && *found != fresh) {
         (*found)->length = fresh->length;
         (*found)->at = at;
@@ -394,9 +394,9 @@ void sp_manifest_close(sp_manifest *m) {
 
 bool sp_manifest_find(const sp_manifest *m, const char *name, bool failed, const struct stat *file, sp_sample *out) {
     char line[LONGEST_LINE];
-    place key;
+    manifest_line key;
     snprintf(key.name, sizeof key.name, "%s", name);
-    place *const *found = tfind(&key, &m->tree, compare_names);
+    manifest_line *const *found = tfind(&key, &m->tree, compare_names);
     if (!found || sp_file_read_at(m->fd, line, (size_t)(*found)->length, (*found)->at) != (*found)->length)
         return false;
     line[(*found)->length] = '\0';

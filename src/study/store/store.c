@@ -68,26 +68,26 @@ void sp_store_retry(sp_store *store, bool retry) { store->retry = retry; }
  */
 
 /* A file of the store, and its status. */
-typedef struct place {
+typedef struct stored_file {
     char path[SP_PATH_MAX];
     struct stat info;
-} place;
+} stored_file;
 
-static bool find_file(const sp_store *store, const char *name, const char *ending, place *out) {
+static bool find_file(const sp_store *store, const char *name, const char *ending, stored_file *out) {
     sp_store_path(store, name, ending, out->path);
     out->info = (struct stat){0};
     return stat(out->path, &out->info) == 0;
 }
 
 void sp_store_enter(const sp_store *store, const sp_sample *sample) {
-    place file;
+    stored_file file;
     if (find_file(store, sample->name, sample->failed ? "failed" : "h5", &file) && S_ISREG(file.info.st_mode))
         sp_manifest_add(store->manifest, &file.info, sample);
 }
 
 /* The results of a sample, or else the record of its failure; from the manifest where that is up to date. */
 static sp_status find_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
-    place file;
+    stored_file file;
     sp_record r;
     /* if the file system does not answer, reading the file will tell */
     const bool made = find_file(store, name, "h5", &file) || errno != ENOENT;
@@ -105,7 +105,7 @@ static sp_status find_sample(const sp_store *store, const char *name, sp_sample 
 }
 
 sp_status sp_store_finished(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
-    place file;
+    stored_file file;
     sp_record r;
     sp_packing p;
     if (!sp_store_holds(store, name, "h5"))
@@ -123,7 +123,7 @@ sp_status sp_store_finished(const sp_store *store, const char *name, sp_sample *
 }
 
 bool sp_store_has_failed(const sp_store *store, const char *name) {
-    place file;
+    stored_file file;
     sp_sample sample;
     if (!find_file(store, name, "failed", &file))
         return false;

@@ -50,7 +50,8 @@ def test_no_words_of_c():
 
 
 @pytest.mark.parametrize("member, says, not_of", [
-    ("Moduli.c11", "C11", "C33"), ("Moduli.c33", "C33", "C11"), ("Moduli.c_t", "transverse", "longitudinal"),
+    ("Moduli.c11", "C11", "C33"), ("Moduli.c33", "longitudinal in 3D", "C11"),
+    ("Moduli.c_t", "transverse", "longitudinal"), ("Moduli.c_l", "in 3D sqrt(C33/Phi_3*)", "transverse"),
     ("Statics.phi3", "volume fraction", "area"), ("Statics.f0", "rattlers", "contacts per"),
     ("AmplitudeFront.lost", "at the end", "slid"), ("Front.t10", "`rise` of the peak", "vertex"),
     ("ParticipationBin.sd", "standard deviation", "smallest"), ("Packing.seed", "random", "compression"),
