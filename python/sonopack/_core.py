@@ -195,8 +195,19 @@ def set_fields(struct: Any, values: Mapping[str, Any]) -> None:
             if member.kind == "enum":
                 value = number_of(member.cname, value, name)
             setattr(struct, name, value)
-        except (OverflowError, TypeError) as fault:
+        except OverflowError:
+            raise invalid(name, f"{value!r}: must be {_range(member.cname)}") from None
+        except TypeError as fault:
             raise invalid(name, f"{value!r}: {fault}") from None
+
+
+def _range(ctype: str) -> str:
+    """The numbers that a type of C holds."""
+    if ctype == "_Bool":
+        return "0 or 1"
+    kind: Any = np.dtype(_NUMBERS.get(ctype, np.float64))
+    most: Any = np.finfo(kind) if kind.kind == "f" else np.iinfo(kind)
+    return f"{most.min} .. {most.max}"
 
 
 def documented(c_name: str) -> Callable[[_T], _T]:
@@ -309,6 +320,15 @@ class Owner:
         call(getattr(lib, f"{self._type}_make"), *given, self._c)
 
 
+def figure_of_kind(kind: str) -> Callable[..., Any]:
+    """The function of sonopack.plot that draws a kind of figure."""
+    from .plot.kinds import KINDS
+    if kind not in KINDS:
+        raise invalid("kind", f"{kind!r}: must be one of {', '.join(KINDS)}")
+    draw: Callable[..., Any] = getattr(importlib.import_module("sonopack.plot"), kind)
+    return draw
+
+
 class Drawn:
     """An object with figures: plot() makes one, and a notebook shows the usual one."""
 
@@ -317,7 +337,7 @@ class Drawn:
     def plot(self, kind: str | None = None, *more: Any, **words: Any) -> Any:
         """Draws a figure of a kind of sonopack.plot, by default the usual one, and returns its Axes. more, words: the other
         arguments of that function, such as material, in whose SI units it is drawn, and ax."""
-        return getattr(importlib.import_module("sonopack.plot"), kind or self._figure)(self, *more, **words)
+        return figure_of_kind(kind or self._figure)(self, *more, **words)
 
     def _repr_png_(self) -> bytes | None:
         try:

@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib
 import os
 import tempfile
 from collections.abc import Iterator, Mapping
@@ -12,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._core import Path, c_path, call, text_of
+from ._core import Path, c_path, call, figure_of_kind, text_of
 from ._native import ffi, lib
 from ._records import Material
 
@@ -162,7 +161,7 @@ class Table(Mapping[str, npt.NDArray[Any]]):
 
     def plot(self, kind: str, **words: Any) -> Any:
         """Draws a figure of a kind of sonopack.plot, such as "ctof", and returns its Axes."""
-        return getattr(importlib.import_module("sonopack.plot"), kind)(self, **words)
+        return figure_of_kind(kind)(self, **words)
 
     def __repr__(self) -> str:
         return f"<Table: {self.rows} rows of {' '.join(self.names)}>"

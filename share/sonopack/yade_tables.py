@@ -3,7 +3,7 @@
     from yade_tables import write_tables
     write_tables('grains.tsv', 'contacts.tsv', friction=0.5)
 
-Then `sonopack convert grains.tsv P.h5 --contact-table contacts.tsv`. Spheres are grains. Boxes, walls and facets that
+Then `sonopack convert grains.tsv P.h5 --contacts contacts.tsv`. Spheres are grains. Boxes, walls and facets that
 spheres touch are the walls at the bottom and the top of the packing, by the side from which they push along the axis
 `up`. Where spheres touch none of these in a periodic cell, the packing is periodic along all axes, sheared or not.
 Contacts are those of ScGeom with forces normalForce and shearForce, such as MindlinPhys and FrictPhys. Lengths are

@@ -138,7 +138,7 @@ def spheres():
     grains, contacts = FOLDER / "grains.tsv", FOLDER / "contacts.tsv"
     run("pack", SOURCE / "packings" / "spheres.cfg", "-q", "-o", packing, "--set", "packing.grains=50", "--set",
         "packing.width=4", "--set", 'packing.protocol="quick"', "--set", "packing.poisson=0")
-    run("convert", packing, "-q", "--grain-table", grains, "--contact-table", contacts)
+    run("convert", packing, "-q", "--grains", grains, "--contacts", contacts)
     run("modes", packing, "--vectors", path, "-o", FOLDER / "sm.tsv")
     with h5py.File(path) as f:
         g = f["modes"]

@@ -85,7 +85,7 @@ def test_empty():
     """No contact at all."""
     (FOLDER / "g.tsv").write_text("# width = 8\n# height = 2\n# pressure = 1e-4\n# friction = 0\nid x y radius\n0 1 1 0.5\n")
     (FOLDER / "c.tsv").write_text("i j nx ny overlap\n")
-    run(COMMAND, "convert", "g.tsv", "none.h5", "--contact-table", "c.tsv")
+    run(COMMAND, "convert", "g.tsv", "none.h5", "--contacts", "c.tsv")
     run(COMMAND, "convert", "none.h5", "none.vtp")
     assert compare(FOLDER / "none.vtp").GetNumberOfPoints() == 1
     assert compare(FOLDER / "none-contacts.vtp").GetNumberOfLines() == 0

@@ -41,8 +41,8 @@ def check(deck, data, *words):
     said = run(COMMAND, "convert", data, "b.h5", "--contacts", "contacts.dump", *options, "--set", f"top={top}", "--force")
     assert agreement(said) < 1e-10, said
     # the signal, and the same packing by our own two tables: every number the same
-    run(COMMAND, "convert", "a.h5", "g.tsv", "--contact-table", "c.tsv", "--force")
-    run(COMMAND, "convert", "g.tsv", "c.h5", "--contact-table", "c.tsv", "--force")
+    run(COMMAND, "convert", "a.h5", "g.tsv", "--contacts", "c.tsv", "--force")
+    run(COMMAND, "convert", "g.tsv", "c.h5", "--contacts", "c.tsv", "--force")
     rows = []
     for name in ("a.h5", "c.h5"):
         out = run(COMMAND, "signal", name, "--until", "30", "--points", "31", "--quiet")

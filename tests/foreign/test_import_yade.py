@@ -28,9 +28,9 @@ def signal(name):
 
 
 run("yade", "-n", "-x", "-j1", "pack.py")
-run(COMMAND, "convert", "grains.tsv", "a.h5", "--contact-table", "contacts.tsv")
-run(COMMAND, "convert", "a.h5", "--grain-table", "g.tsv", "--contact-table", "c.tsv")
-run(COMMAND, "convert", "g.tsv", "b.h5", "--contact-table", "c.tsv")
+run(COMMAND, "convert", "grains.tsv", "a.h5", "--contacts", "contacts.tsv")
+run(COMMAND, "convert", "a.h5", "--grains", "g.tsv", "--contacts", "c.tsv")
+run(COMMAND, "convert", "g.tsv", "b.h5", "--contacts", "c.tsv")
 assert signal("a.h5") == signal("b.h5") and len(signal("a.h5")) > 21
 
 
@@ -51,7 +51,7 @@ pairs = [sorted(tuple(line.split()[:2]) for line in open(os.path.join(folder, na
 assert pairs[0] == pairs[1], said
 # a sheared cell without walls; Yade's damping lets forces balance within 2e-3 of the load
 run("yade", "-n", "-x", "-j1", "pack_periodic.py")
-run(COMMAND, "convert", "grains.tsv", "p.txt", "--contact-table", "contacts.tsv")
+run(COMMAND, "convert", "grains.tsv", "p.txt", "--contacts", "contacts.tsv")
 assert " cell periodic xy 0.75" in open(os.path.join(folder, "p.txt")).read(), "cell"
 values = audit("p.txt")
 assert float(values["law"]) < 1e-4 and float(values["geometry"]) < 1e-8 and float(values["force"]) < 1e-2, values

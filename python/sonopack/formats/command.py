@@ -33,12 +33,12 @@ _IMPORT = ("walls", "columns", "types", "frame", "length_unit", "force_unit", "m
            "thickness", "rest")
 
 _USAGE = """%(prog)s [OPTION...] IN OUT [--contacts FILE|overlap]
-  or:  %(prog)s [OPTION...] IN|OUT --grain-table G.tsv --contact-table C.tsv"""
+  or:  %(prog)s [OPTION...] IN|OUT --grains G.tsv --contacts C.tsv"""
 _HELP = """\
 The format of IN is recognised by its content, that of OUT by its ending or --to. With two tables and one
 packing file, the existing one of the two is read and the other is written. A table of grains may also take
 the place of IN or OUT; then only the table of contacts needs an option:
-  sonopack convert grains.tsv P.h5 --contact-table contacts.tsv
+  sonopack convert grains.tsv P.h5 --contacts contacts.tsv
 With IN, OUT and both tables the packing is written in both forms. IN may also be a file of LAMMPS, LIGGGHTS,
 Yade or MercuryDPM, extended XYZ, or a table; its contacts are then in --contacts FILE or, with --contacts
 overlap, found by overlap:
@@ -62,11 +62,10 @@ def parser() -> Parser:
                            "other programs.")
     p.add_argument("files", nargs="*", metavar="IN OUT", help=argparse.SUPPRESS)
     add = p.add_argument
-    add("--grain-table", "--grains", dest="grains", metavar="FILE.tsv",
-        help="table of grains: id x y [z] radius. --grains is its older name")
-    add("--contact-table", "--contacts", dest="contacts", metavar="FILE.tsv",
-        help="table of contacts: i j nx ny [nz] overlap Fn Ft. Its older name is --contacts, which with files of other "
-             "programs names their list of contacts, or is overlap: all pairs that overlap")
+    add("--grains", metavar="FILE.tsv", help="table of grains: id x y [z] radius")
+    add("--contacts", metavar="FILE.tsv",
+        help="table of contacts: i j nx ny [nz] overlap Fn Ft. With files of other programs: their list of contacts, or "
+             "overlap: all pairs that overlap")
     add = p.add_argument_group("Packings of other programs").add_argument
     unit, stiff = number(1e-30, 1e30), number(1e-300, 1e300)
     add("--from", dest="form", choices=forms.FORMS, default="auto", help="form of IN (auto)")
@@ -158,7 +157,7 @@ def _job(a: argparse.Namespace) -> _Job:
     if not job.source or not job.target:
         raise usage(f"no OUT: must be a file name that ends in {_ENDINGS}")
     if job.grains:
-        raise usage(f"--grain-table: IN is {job.source}, the grains of another program; must not be given")
+        raise usage(f"--grains: IN is {job.source}, the grains of another program; must not be given")
     return job
 
 
@@ -173,8 +172,8 @@ def _own_files(job: _Job) -> _Job:
     elif two and job.grains in (None, job.target) and str(job.target).endswith(".tsv"):
         job.grains, job.target = job.target, None
     if (job.grains is None) != (job.contacts is None):
-        raise usage(f"a table of {'grains' if job.grains else 'contacts'} alone: give both --grain-table and "
-                    f"--contact-table (or --grains and --contacts)")
+        raise usage(f"a table of {'grains' if job.grains else 'contacts'} alone: give both --grains and "
+                    "--contacts")
     if job.source == "-" and job.grains:
         job.source = None
     if job.source and not job.target:
@@ -190,8 +189,8 @@ def _choose_direction(job: _Job) -> _Job:
     packing = os.path.exists(str(job.source))
     if all(found) and packing:
         words = f"{job.source} {job.grains}", f"{job.grains} {job.source}"
-        raise usage(f"{job.source} and both tables exist: use `convert {words[0]} --contact-table ...' to write the "
-                    f"tables, or `convert {words[1]} --contact-table ...' to read them")
+        raise usage(f"{job.source} and both tables exist: use `convert {words[0]} --contacts ...' to write the "
+                    f"tables, or `convert {words[1]} --contacts ...' to read them")
     if all(found) or (not packing and any(found)):
         job.target, job.source = job.source, None
     return job

@@ -22,6 +22,7 @@ from ._faults import bad_file, bad_option, unreadable
 Mask = npt.NDArray[np.bool_]
 
 _MOST_COLUMNS = 128
+_LARGEST = 1e100  # of positions and forces in any unit: powers of larger ones overflow
 _GZIP = b"\x1f\x8b"
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", re.A)
 _COMMENT = re.compile(rb"^[ \t]*#[^\n]*", re.M)
@@ -273,6 +274,7 @@ class Sheet:
         """The numbers of a column, in these rows; the first that is not finite is refused."""
         values: Floats = self.values[:, column] if rows is None else self.values[rows, column]
         self.refuse(np.isnan(values), column, "a finite number", rows)
+        self.refuse(np.abs(values) > _LARGEST, column, f"within {_LARGEST:g}", rows)
         return values
 
     def whole(self, column: int, rows: Integers | None = None) -> Integers:

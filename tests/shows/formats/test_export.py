@@ -303,6 +303,7 @@ REFUSED = [  # status, what is named, and the words after P.h5
     (2, "--times", "o.pvd --times=0:10:20000"), (1, "0", "o.vtp --mode 0"), (2, "--mode", "o.vtp --mode 1000000000"),
     (1, "nowhere.tsv", "o.vtp --vectors nowhere.tsv"), (2, "o.data", "o.data --mode 50"), (2, "--material", "o.vtp --units si"),
     (2, "--units", "o.h5 --units si --material E=7e10,nu=0.2,rho=2500,d=1e-3"), (2, "mine.vtp", "mine.vtp"),
+    (2, "o.txt.gz no .gz", "o.txt.gz"), (2, "o.h5.gz no .gz", "o.h5.gz"), (2, "--grain-table", "--grain-table g.tsv --contacts c.tsv"),
     (2, "--force", "mine2.vtp"), (2, "mine.vtp", "mine.vtp --force"), (1, "nowhere", "nowhere/o.vtp")]
 
 

@@ -453,6 +453,7 @@ REFUSED = [  # what is named, the file, its text, and what is said beside it
     ("a.data:10 ellipsoid sphere", "a.data", DATA.replace("# sphere", "# ellipsoid"), {"contacts": "overlap"}),
     ("Atoms", "a.data", DATA[:DATA.index("Atoms")], {"contacts": "overlap"}),
     ("width", "a.data", DATA.replace("0 8 xlo xhi\n", ""), {"contacts": "overlap", "types": 1, "top": TOP}),
+    ("a.csv:4 x 1e307 within", "a.csv", "id,x,y,radius\n1,0.5,0.5,0.5\n2,1.49,0.5,0.5\n3,1e307,0.5,0.5\n", {"contacts": "overlap", "sides": "open"}),
     ("a.csv:3 5 4", "a.csv", "id,x,y,radius\n1,0.5,0.5,0.5\n2,1.49,0.5,0.5,7\n", {"sides": "open"}),
     ("a.csv:1 header", "a.csv", "1,0.5,0.5,0.5\n", {"form": "csv"}),
     ("a.xyz:3 1 of 3", "a.xyz", "3\nLattice=\"4 0 0 0 1 0 0 0 1\" Properties=pos:R:3:radius:R:1\n0.5 0.5 0 0.5\n", {}),

@@ -44,6 +44,9 @@ def test_looks_change_axes(sonopack, folder):
 
 def test_figures_in_si(sonopack, folder):
     sonopack("plot", "signal", "s.tsv", "--units", "si", "--material", GLASS, "-o", "x.svg")
+    sonopack("pack", "--set", "packing.grains=60", "--set", "packing.width=8", "-q", "-o", "p.h5")
+    for kind in ("forces", "angles"):  # of ratios, which have no unit
+        sonopack("plot", kind, "p.h5", "--units", "si", "--material", GLASS, "-o", f"{kind}.svg")
     assert "$t$  [µs]" in words_of(folder / "x.svg")
 
 

@@ -88,7 +88,10 @@ def test_options():
     network = sonopack.Packing.read(TEXT).network()
     fails(Status.EINVAL, "method", network.signal, method="magic")
     fails(Status.EINVAL, "place", network.signal, detectors="plane")
-    fails(Status.EINVAL, "points", network.signal, points=2**40)
+    assert "must be -2147483648 .. 2147483647" in str(fails(Status.EINVAL, "points", network.signal, points=2**40))
+    assert "must be -1.79" in str(fails(Status.EINVAL, "until", network.signal, until=10**400))
+    for drawn in (network.packing, sonopack.Table.from_columns({"t": [0.0, 1.0]})):
+        assert ": must be one of ctof, signal," in str(fails(Status.EINVAL, "kind", drawn.plot, "nokind"))
     fails(Status.EINVAL, "band", network.modes, lowest=3, band=(0, 1))
     fails(Status.EINVAL, "u", network.apply, np.zeros(7))
     fails(Status.EINVAL, "f", sonopack.front, [0, 1, 2], [0, 1])
