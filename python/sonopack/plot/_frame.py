@@ -101,7 +101,8 @@ def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0
         given = np.atleast_1d(np.asarray(ax, object))
         if given.size != rows * columns:
             raise invalid("ax", f"{given.size} Axes: this figure has {rows * columns} panels")
-        return given.reshape(rows, columns)
+        shaped: npt.NDArray[Any] = given.reshape(rows, columns)
+        return shaped
     width = width or WIDTH * columns
     fig = new_figure((width, width / columns * aspect * rows))
     axes: npt.NDArray[Any] = fig.subplots(rows, columns, squeeze=False, **words)

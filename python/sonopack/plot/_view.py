@@ -81,7 +81,7 @@ class View:
         if self.slant:
             self.ax.add_patch(self._outline(fill=False, **words))
             return
-        sides = [((x, x), (0, self.height)) for x in (self.left, right)] if self.periodic else []
+        sides = [((x, x), (0.0, self.height)) for x in (self.left, right)] if self.periodic else []
         sides += [((self.left, right), (y, y)) for y in (0, self.height)] if self.tiled else []
         for x, y in sides:
             self.ax.plot(x, y, **words)
@@ -143,7 +143,8 @@ class View:
             x[:, 0] -= xz * x[:, 2] / p.box[2] + xy * x[:, 1] / p.box[1]
         deep = (x[:, away] + along) / p.box[away]
         part = np.clip(deep, 0, 1) if walls else deep - np.floor(deep)
-        return part if away == 1 else 1 - part
+        shares: Floats = part if away == 1 else 1 - part
+        return shares
 
     # ---- drawing ----------------------------------------------------------------------------------------------------
 
@@ -218,8 +219,8 @@ def views(packing: Packing, ax: Any = None, shift: Floats | None = None) -> list
     found = [View(packing, *plane, shift) for plane in planes[:None if given is None else len(given)]]
     if given is None:
         _lay_out(found)
-    for view, view.ax in zip(found, [] if given is None else list(given)):
-        box = view.ax.get_window_extent()
+    for view, own in zip(found, [] if given is None else list(given)):
+        view.ax, box = own, own.get_window_extent()
         view.points = min(box.width / view.span, box.height / view.height) * 72 / view.ax.figure.dpi
     return [view.open() for view in found]
 

@@ -44,9 +44,9 @@ def wave(given: Sequence[Input], *, ax: Any = None) -> Any:
         points(axes[1], k, alpha, error, **sets(j))
         lines.append((k, alpha, error))
     axes[1].set_yscale("log")
-    unit, together = common_unit(given, "k", WAVE), [np.concatenate(parts) for parts in zip(*lines)]
-    _rayleigh(axes[1], *together, common_dimension(given) + 1, same_unit(unit, WAVE))
-    return _finish(axes, together[0], label("$k$", unit), [label(r"$\omega/k$", common_unit(given, "speed", SPEED)),
+    unit, (k, alpha, error) = common_unit(given, "k", WAVE), (np.concatenate(parts) for parts in zip(*lines))
+    _rayleigh(axes[1], k, alpha, error, common_dimension(given) + 1, same_unit(unit, WAVE))
+    return _finish(axes, k, label("$k$", unit), [label(r"$\omega/k$", common_unit(given, "speed", SPEED)),
                                                  label(r"$\alpha$", common_unit(given, "alpha", WAVE))])
 
 
