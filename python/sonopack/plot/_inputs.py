@@ -220,6 +220,10 @@ def groups_of(given: Sequence[Input], read: Callable[[Input], tuple[dict[str, Fl
     for group in groups:
         if len(given) > 1 and texts.count(group.text) > 1 and group.source.own_label is None:
             group.text = ", ".join(filter(None, (plain(group.source.stem()), group.text)))
+    texts = [group.text for group in groups]
+    for group in groups:
+        if texts.count(group.text) > 1 and not by_file:
+            group.text = ", ".join(filter(None, (group.file, group.text)))
     return groups
 
 
@@ -227,8 +231,9 @@ def _split(one: Input, columns: dict[str, Floats], names: Sequence[str], x: str,
     """Rows of one group follow each other, with rising x and the same keys (higher packings have more grains); signals of
     one file belong together, and so do files with one signal each."""
     keys = {name: one.column(name) for name in names if name in one.table and one.table[name].dtype.kind in "fiu"}
+    named = one.table["file"].astype(str) if "file" in one.table else None
     files = [re.fullmatch(r"(.*?)(:F\d+)?", name, re.S).groups()  # type: ignore[union-attr]
-             for name in one.table["file"].astype(str)] if by_file and "file" in one.table else []
+             for name in named] if by_file and named is not None else []
 
     def begins(row: int) -> bool:
         if files:
@@ -245,10 +250,15 @@ def _split(one: Input, columns: dict[str, Floats], names: Sequence[str], x: str,
         group = Group(one, {name: each[rows] for name, each in columns.items()}, common)
         if files:
             alone = files[rows.start][1] or rows.stop - rows.start == 1
-            stem = os.path.splitext(os.path.basename(files[rows.start][0]))[0]
-            group.file = plain(stem) if alone else "single signals"
+            group.file = plain(_stem(files[rows.start][0])) if alone else "single signals"
+        elif named is not None and len(set(named[rows])) == 1:
+            group.file = plain(_stem(named[rows][0]))
         found.append(group)
     return found
+
+
+def _stem(path: str) -> str:
+    return os.path.splitext(os.path.basename(path))[0]
 
 
 # ---- reading --------------------------------------------------------------------------------------------------------

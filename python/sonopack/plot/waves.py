@@ -116,7 +116,12 @@ def _has_all(one: Input, columns: Sequence[str]) -> bool:
 
 
 def _style(groups: Sequence[Group], group: Group, colour_key: str) -> dict[str, Any]:
-    """Pressures (of bursts amplitudes) have colours, frictions marks, so that curves of both can be told apart."""
+    """Pressures (of bursts amplitudes) have colours, frictions marks, so that curves of both can be told apart. Packings of one
+    pressure and friction have colours."""
+    if len({(each.keys.get(colour_key), each.keys.get("friction")) for each in groups}) < len(groups):
+        j = next(j for j, each in enumerate(groups) if each is group)
+        return {"color": ink(j + 1), "marker": mark(j % 4), "ls": "-"}
+
     def rank(name: str) -> int:
         return list(dict.fromkeys(each.keys.get(name) for each in groups)).index(group.keys.get(name))
     which = rank("friction")

@@ -227,6 +227,15 @@ def test_loud_fronts_by_pressure_and_friction():
     assert len(upper.containers) == 4
 
 
+def test_loud_fronts_of_packings_of_one_kind_are_named():
+    x = np.tile([0.01, 0.1], 2)
+    made = sonopack.Table.from_columns({
+        "file": np.array(["a/P.h5", "a/P.h5", "Q.h5", "Q.h5"]), "p": np.full(4, 1e-4), "amplitude": x, "speed_ratio": x,
+        "speed_ratio_err": x, "slid": 0 * x, "opened": x, "carrying": x + 100})
+    upper, _ = plot.amplitude(made)
+    assert texts(upper) == ["P", "Q"] and len({line.get_color() for line in upper.lines}) > 1
+
+
 def test_the_frontier_joins_the_fastest_methods():
     made = table({"case": np.array(["a"] * 4 + ["b"]), "method": np.array(["m", "m", "scipy x", "auto", "m"]),
                   "seconds": np.array([1.0, 0.1, 0.5, 1e-9, 1.0]), "error": np.array([1e-8, 1e-2, 1e-4, 1e-9, 1.0])})
