@@ -19,14 +19,14 @@ from ._column import Column, ColumnRun
 from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, text_of as _text_of
 from ._inference import CODA_CANDIDATE, DESIGN_STEP, Coda, Design, Uncertain, Uncertainty, design, uncertainty
 from ._modes import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, Continuum, DampedModes, DensityOfStates, Dispersion,
-                     Harmonic, Modes, Transmission, WaveSection)
+                     Harmonic, Modes, Transmission, WaveSection, free_path, ioffe_regel)
 from ._native import lib as _lib
 from ._network import ENERGY, FLUX, SPRING, Network
 from ._packing import BACK, BOTTOM, CONTACT, FRONT, LEFT, RIGHT, TOP, Packing
 from ._place import Place
 from ._records import (AmplitudeEnergy, AmplitudeFront, AmplitudeHarmonics, AmplitudeNumber, AmplitudePlane,
-                       AmplitudeSecond, Audit, CoherentWave, Energy, FiniteStrain, Front, Kubo, Material, Moduli,
-                       PackProgress, ParticipationBin, ProbeModuli, Solitary, Split, Spread, Stability, Statics,
+                       AmplitudeSecond, Audit, CoherentWave, Energy, FiniteStrain, FreePath, Front, Kubo, Material,
+                       Moduli, PackProgress, ParticipationBin, ProbeModuli, Solitary, Split, Spread, Stability, Statics,
                        StudyProgress, TappedTap, ZeroModes)
 from ._scene import Scene, scene_help
 from ._sensitivity import Gradient
@@ -42,10 +42,10 @@ __all__ = [
     "AmplitudeSecond", "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda",
     "CoherentWave", "Column", "ColumnRun", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes",
     "DensityOfStates", "Design", "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain",
-    "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "Material", "Modes", "Moduli",
-    "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse", "RIGHT",
-    "Refused", "SPRING", "Sample", "Scene", "Signal", "Solitary", "SonopackError", "Split", "Spread", "Stability",
-    "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "Uncertain",
-    "Uncertainty", "WAVE_FIT", "WaveSection", "ZeroModes", "design", "front", "quantity", "scene_help",
-    "signal_window", "solitary", "study", "uncertainty",
+    "FreePath", "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "Material", "Modes",
+    "Moduli", "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse",
+    "RIGHT", "Refused", "SPRING", "Sample", "Scene", "Signal", "Solitary", "SonopackError", "Split", "Spread",
+    "Stability", "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap", "Transmission",
+    "Uncertain", "Uncertainty", "WAVE_FIT", "WaveSection", "ZeroModes", "design", "free_path", "front",
+    "ioffe_regel", "quantity", "scene_help", "signal_window", "solitary", "study", "uncertainty",
 ]

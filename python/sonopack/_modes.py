@@ -2,7 +2,9 @@
 waves."""
 from __future__ import annotations
 
+import dataclasses
 import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +13,7 @@ import numpy.typing as npt
 from . import _core, _fields
 from ._core import Floats, Path, c_path, call, documented
 from ._native import ffi, lib
-from ._records import CoherentWave, ParticipationBin
+from ._records import CoherentWave, FreePath, ParticipationBin
 
 if TYPE_CHECKING:
     from ._network import Network
@@ -162,3 +164,26 @@ class WaveSection(_core.NetworkResult, _fields.CoherentSection):
         out = ffi.new("sp_coherent_wave *")
         call(lib.sp_coherent_fit, self._c, omega, out)
         return _core.record(CoherentWave, out, self._known_material())
+
+    @documented("sp_coherent_errors")
+    def errors(self, wave: CoherentWave) -> tuple[float, float]:
+        """Errors of k and alpha [1/d] of a wave of this section."""
+        errors = ffi.new("double [2]")
+        lib.sp_coherent_errors(self._c, ffi.new("sp_coherent_wave *", dataclasses.asdict(wave)), errors, errors + 1)
+        return float(errors[0]), float(errors[1])
+
+
+@documented("sp_free_path")
+def free_path(k: float, k_err: float, alpha: float, alpha_err: float) -> FreePath:
+    """The scattering mean free path of a wave, from wave number and attenuation [1/d] with their errors."""
+    return _core.record(FreePath, lib.sp_free_path_of(k, k_err, alpha, alpha_err))
+
+
+@documented("sp_ioffe_regel")
+def ioffe_regel(omega: npt.ArrayLike, paths: Sequence[FreePath]) -> tuple[float, float] | None:
+    """The frequency of Ioffe and Regel and its error, from the free paths at ascending frequencies [n]; None: there is
+    none."""
+    frequencies, out = _core.floats(omega, "omega", (len(paths),)), ffi.new("double [2]")
+    known = ffi.new("sp_free_path []", [dataclasses.asdict(path) for path in paths])
+    found = lib.sp_ioffe_regel(len(paths), _core.pointer_to(frequencies), known, out, out + 1)
+    return (float(out[0]), float(out[1])) if found else None

@@ -146,6 +146,17 @@ def test_wave():
         wave = section.wave(omega)
         for name in ("k", "alpha"):
             assert read[name][row] == getattr(wave, name), ("wave", name, read[name][row], wave)
+        assert section.errors(wave)[0] >= abs(wave.k_shift) and section.errors(wave)[1] >= abs(wave.alpha_shift)
+
+
+def test_free_paths():
+    """k path falls through pi between the frequencies 1 and 2, half of the way or at a third of it."""
+    long, short = (sonopack.free_path(k, 0.0, 0.25 / np.pi, 0.0) for k in (1.5, 0.5))
+    assert np.isclose(long.path, 2 * np.pi) and np.isclose(long.k_path, 3 * np.pi) and np.isclose(short.k_path, np.pi)
+    assert np.isnan(sonopack.free_path(1.0, 0.0, 0.1, 0.06).path)
+    paths = [sonopack.free_path(k, 0.1, 0.25 / np.pi, 0.0) for k in (0.75, 0.25)]
+    assert np.allclose(sonopack.ioffe_regel([1, 2], paths), (1.5, np.hypot(0.05, 0.05) * 2))
+    assert sonopack.ioffe_regel([1, 2], paths[::-1]) is None
 
 
 def test_study():
