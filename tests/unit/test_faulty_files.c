@@ -20,11 +20,13 @@ static void shortened_while_read(void **state) {
     (void)state;
     const char *path = saved_packing();
     sp_packing p = sp_packing_none();
+    sp_error reason = {0}; /* an open file keeps it */
     sp_h5 h;
-    assert_ok(sp_h5_open(&h, path, &err));
+    assert_int_equal(sp_h5_open(&h, path, &reason), SP_OK);
     const off_t size = (off_t)h.size;
     assert_int_equal(truncate(path, size / 2), 0);
-    assert_fails(sp_packing_get(&h, &p), SP_EIO, path);
+    assert_int_equal(sp_packing_get(&h, &p), SP_EIO);
+    assert_non_null(strstr(reason.text, path));
     sp_h5_close(&h);
     assert_fails(sp_packing_read(path, &p, &err), SP_EFORMAT, path);
 }
@@ -34,13 +36,14 @@ static void grown_while_read(void **state) {
     (void)state;
     const char *path = saved_packing();
     sp_packing p = sp_packing_none();
+    sp_error reason = {0}; /* an open file keeps it */
     sp_h5 h;
-    assert_ok(sp_h5_open(&h, path, &err));
+    assert_int_equal(sp_h5_open(&h, path, &reason), SP_OK);
     FILE *file = fopen(path, "a");
     assert_non_null(file);
     fputs("more", file);
     fclose(file);
-    assert_ok(sp_packing_get(&h, &p));
+    assert_int_equal(sp_packing_get(&h, &p), SP_OK);
     sp_h5_close(&h);
     assert_int_equal(p.n, 4000);
     sp_packing_free(&p);
@@ -50,10 +53,12 @@ static void no_memory_to_open(void **state) {
     (void)state;
     const char *path = saved_packing();
     sp_packing p = sp_packing_none();
+    sp_error reason = {0};
     sp_h5 h;
     sp_alloc_fail_after(0);
-    assert_fails(sp_h5_open(&h, path, &err), SP_ENOMEM, path);
+    assert_int_equal(sp_h5_open(&h, path, &reason), SP_ENOMEM);
     sp_alloc_fail_after(-1);
+    assert_non_null(strstr(reason.text, path));
     sp_h5_close(&h);
     assert_ok(sp_packing_read(path, &p, &err));
     sp_packing_free(&p);
