@@ -120,6 +120,8 @@ class Table(Mapping[str, npt.NDArray[Any]]):
     def si(self, material: Material | None = None) -> Table:
         """This table in SI units, as the command prints it with --units si. material: that of the grains; by default
         that of the table's comments."""
+        if not any(self.units.values()) and not self.metadata:
+            raise _core.invalid("", "a table without units, as in CSV, cannot be converted to SI")
         struct = ffi.new("sp_material *")
         if material is not None:
             _core.set_fields(struct, dataclasses.asdict(material))

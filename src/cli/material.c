@@ -146,10 +146,16 @@ sp_status cli_take_table_material(void *arguments, const sp_table *t, const char
     sp_status status = text ? sp_material_read(text, &m, err) : SP_OK;
     if (status != SP_OK)
         return sp_fail_prefix(err, "%s", from);
-    bool ours = false; /* a table in SI, or of a laboratory, needs none */
-    for (int c = 0; c < t->columns; c++)
+    bool ours = false, units = false; /* a table in SI, or of a laboratory, needs none */
+    for (int c = 0; c < t->columns; c++) {
         ours = ours || sp_unit_is_ours(t->column[c].unit);
+        units = units || t->column[c].unit[0] != '\0';
+    }
     const cli_common *common = arguments;
+    if (common->units == CLI_UNITS_SI && !units)
+        return sp_fail(
+            err, SP_EINVAL,
+            "%s: names no units, so --units si can convert nothing: must be a table with the line # units:", from);
     if (text && !ours && is_known(&common->material) && !is_same(&m, &common->material))
         return sp_fail(err, SP_EINVAL, "%s: is in SI units already, of the material %s; --material must be this one",
                        from, text);

@@ -34,7 +34,8 @@ def make_inputs():
         pack(name, **keys)
     pathlib.Path("empty").mkdir()
     run("study", "--store", "store", "--set=packing.kind=chain", "--set=packing.grains=12", "--set=study.samples=1")
-    run("signal", "N200.txt", "-o", "signal.tsv")
+    for form in ("tsv", "csv"):
+        run("signal", "N200.txt", "-o", f"signal.{form}")
 
 
 def refused(words):

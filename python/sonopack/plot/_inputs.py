@@ -62,8 +62,11 @@ class Input:
             if len(huge):
                 raise refuse(self.name, f"row {huge[0] + 1}, {name} = {table[name][huge[0]]:g}: must be within "
                                         f"{LARGEST:g}")
-        ours = self.material is not None and any(map(is_ours, table.units.values()))
-        return table.si(self.material) if ours else table
+        known = self.material is None or any(map(is_ours, table.units.values()))
+        if not known and not any(table.units.values()) and not table.metadata:
+            raise refuse(self.name, "names no units, so nothing can be converted to SI: must be a table with the line "
+                                    "# units:")
+        return table.si(self.material) if known and self.material is not None else table
 
     def own_material(self) -> Material | None:
         """The material that the packing or the table says, None without one."""

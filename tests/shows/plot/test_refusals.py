@@ -11,7 +11,8 @@ from sonopack.plot._motion import find_mode, find_snapshots
 from test_command import GLASS, SIGNAL, SPEEDS
 
 TEXTS = {
-    "s.tsv": SIGNAL, "c.tsv": SPEEDS, "v.tsv": SIGNAL.replace("t [d/sqrt(E* / rho)] F [E* d^2]", "t [ms] F [V]"),
+    "s.tsv": SIGNAL, "bare.tsv": "t\tF\n0\t0\n1\t1\n2\t0\n",
+    "c.tsv": SPEEDS, "v.tsv": SIGNAL.replace("t [d/sqrt(E* / rho)] F [E* d^2]", "t [ms] F [V]"),
     "bad.tsv": "p\tc_tof\n1e-4\t-1\n", "old.svg": "<svg/>", "mine.svg": "mine",
     "text.tsv": "t\ty0\ty1\n0\ta\t1\n", "none.tsv": "p\tc\n1\t2\n", "y0.tsv": "t\ty0\n0\t0\n1\t0\n",
     "rho.tsv": "t\ty1\trho1\trho2\n0\t1\t1\t1\n1\t1\t1\t1\n", "work.tsv": "tap\twork\n1\t1\n",
@@ -76,6 +77,7 @@ def folder(tmp_path_factory):
     ("ctof c.tsv --label a --label b -o x.svg", 2, "2 label(s) for 1 file"),
     ("ctof c.tsv --published --no-published -o x.svg", 2, "one of them"),
     ("ctof c.tsv --published --units si --material " + GLASS + " -o x.svg", 2, "--published"),
+    ("signal bare.tsv --units si --material " + GLASS + " -o x.svg", 1, "names no units"),
     ("ctof c.tsv --mode 3 -o x.svg", 2, "--mode: not for plot ctof"), ("network c.tsv --x 1:2 -o x.svg", 2, "--x"),
     ("ctof c.tsv --set friction=1 -o x.svg", 2, "--set"), ("signal s.tsv --set packing.friction=1 -o x.svg", 2, "--set"),
     ("ctof c.tsv --units si -o x.svg", 2, "needs a material"), ("signal s.tsv --log y -o x.svg", 2, "below 0"),
