@@ -26,6 +26,7 @@ from ._scene import Scene, SceneText, scene_help
 from ._table import Table, material_of, quantity
 
 DONE, FAILED, USAGE = 0, 1, 2
+STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # signals that end a command, after which no draft is left
 
 #: the module of each command
 MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command",
@@ -207,12 +208,15 @@ def note(arguments: argparse.Namespace, text: str) -> None:
         print(f"sonopack: {text}", file=sys.stderr)
 
 
-class _Stopped(BaseException):
-    """A signal ends the command, which first takes its drafts away."""
+_drafts: set[str] = set()
 
 
-def _stop(number: int, _: object) -> NoReturn:
-    raise _Stopped(number)
+def _stop(number: int, _: object) -> None:
+    """A signal ends the command, which first takes its drafts away. No exception: libraries would catch it."""
+    for draft in _drafts:
+        with contextlib.suppress(OSError):
+            os.unlink(draft)
+    _end_by(number)
 
 
 def start(name: str) -> NoReturn:
@@ -221,7 +225,7 @@ def start(name: str) -> NoReturn:
     try:
         module = importlib.import_module(f"sonopack.{MODULES[name]}")
         parser = module.parser()
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        for number in STOPS:
             if signal.getsignal(number) is not signal.SIG_IGN:
                 signal.signal(number, _stop)
         status = module.run(parser.parse_intermixed_args(sys.argv[1:])) or DONE
@@ -234,8 +238,8 @@ def start(name: str) -> NoReturn:
         print(f"sonopack: {name} needs {package}, which is not installed", file=sys.stderr)
     except BrokenPipeError:
         _end_by(signal.SIGPIPE)
-    except _Stopped as stopped:
-        _end_by(stopped.args[0])
+    except KeyboardInterrupt:
+        _end_by(signal.SIGINT)
     except MemoryError:
         print("sonopack: out of memory", file=sys.stderr)
     except OSError as fault:
@@ -308,9 +312,14 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[str]:
     if place.exists() and not place.is_file():  # a device or a pipe
         yield str(place)
         return
-    handle, draft = tempfile.mkstemp(prefix=f".{place.name[:100]}.", suffix=place.suffix, dir=place.parent)
-    os.close(handle)
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, STOPS)  # until the draft is noted
     try:
+        handle, draft = tempfile.mkstemp(prefix=f".{place.name[:100]}.", suffix=place.suffix, dir=place.parent)
+        _drafts.add(draft)
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+    try:
+        os.close(handle)
         yield draft
         with open(draft, "rb+") as file:
             os.fsync(file.fileno())
@@ -322,6 +331,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[str]:
         with contextlib.suppress(OSError):
             os.unlink(draft)
         raise
+    finally:
+        _drafts.discard(draft)
 
 
 def write_table(arguments: argparse.Namespace, table: Table, material: Material | None = None) -> None:
