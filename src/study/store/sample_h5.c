@@ -36,7 +36,7 @@ static const sp_h5_field front_field[] = {
     FRONT(width, TIME, "t_zero - t10"),
 };
 /* Units of tables, in which a pure number has none. */
-#define UNIT(unit) (sizeof(unit) == 1 ? "1" : unit)
+#define UNIT(unit) (sizeof(unit) == 1 ? "1" : (unit))
 #define STATICS(member, symbol, unit, description)                                                                     \
     {{"/results/statics/" #member, UNIT(unit), description}, SP_H5_F64, offsetof(sp_statics, member)},
 static const sp_h5_field statics_field[] = {
