@@ -246,6 +246,7 @@ typedef struct sp_pack_spec {
     double piston_mass;  /* per wall area [rho d]; 0: set by the protocol */
     double gas_fraction; /* area (2D) or volume (3D) fraction of the initial gas; 0: set by the protocol */
     double time_step;    /* over the largest stable one (packing/piston.c); 0: set by the protocol */
+    double lag;          /* part of the averaged velocities of dashpots that remains in a step; < 0: by the protocol */
     double calm; /* global damping starts once the largest acceleration is below calm x p; 0: never; -1: set by the
                     protocol */
     double drag; /* rate of the global damping at p = 1e-4 [sqrt(E* / rho)/d]; scales as p^(1/3); -1: set by the

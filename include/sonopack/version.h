@@ -5,11 +5,8 @@
 #include <sonopack/visibility.h>
 
 #define SONOPACK_VERSION "0.7.0"
-/* Increased whenever the same scene and seed would give other numbers; part of a sample's name. Packings in three
- * dimensions have a number of their own; that of smooth grains with a weight is added to either. */
-#define SONOPACK_ALGORITHM         3
-#define SONOPACK_ALGORITHM_3D      4
-#define SONOPACK_ALGORITHM_RESTING 100
+/* Increased whenever the same scene and seed would give other numbers; part of a sample's name. */
+#define SONOPACK_ALGORITHM 5
 
 #ifdef __cplusplus
 extern "C" {

@@ -74,13 +74,12 @@ static double steps_of(sp_protocol protocol, int32_t grains) {
     return steps;
 }
 
-/* A box four times as high takes fewer steps than the piston takes in the low one. */
+/* No plug flies and rebounds, which takes the longer the higher the box. */
 TEST(test_steps_and_height) {
     SKIP_SANITIZED();
-    const double low = steps_of(SP_PROTOCOL_AFFINE, 150), high = steps_of(SP_PROTOCOL_AFFINE, 600);
-    const double piston = steps_of(SP_PROTOCOL_DEFAULT, 150);
-    printf("affine: %g and %g steps, piston: %g\n", low, high, piston);
-    assert_true(low < 0.3 * piston && high < 0.6 * piston);
+    const double affine_steps = steps_of(SP_PROTOCOL_AFFINE, 600), piston = steps_of(SP_PROTOCOL_DEFAULT, 600);
+    print_message("affine: %g steps, piston: %g\n", affine_steps, piston);
+    assert_true(affine_steps < 0.5 * piston);
 }
 
 /* State that a run saved after 8000 steps, as a copy. */

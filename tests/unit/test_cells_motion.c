@@ -43,7 +43,7 @@ static dynamics make(const scene *s, bool plain, const double shift[3]) {
     spec.depth = s->edge[1];
     spec.friction = s->friction;
     spec.reference = plain;
-    spec.time_step = 0.7; /* long steps, the default in 3D, are tested in test_long_steps.c */
+    spec.lag = 0; /* the reference has none; test_lag.c */
     spec = sp_pack_spec_resolve(&spec);
     sp_packing cell = {.dim = s->dim, .cell = s->cell, .n = n};
     memcpy(cell.box, s->edge, sizeof cell.box);

@@ -165,6 +165,7 @@ TEST(test_radius_gradient) {
     spec.width = 8;
     spec.friction = 0;
     spec.tolerance = 1e-13;
+    spec.protocol = SP_PROTOCOL_SOMFAI2005; /* in other packings the prestress, which is left out, matters more */
     FREED(sp_packing) p = make_packing(&spec);
     check_gradient(&p, SP_DESIGN_DELAY, SP_DESIGN_RADIUS, 1e-6, 0.1);
 }

@@ -25,7 +25,7 @@ static sp_pack_spec dense_spec(int dim, bool wide) {
         spec.diameter_max = 2;
     }
     spec.tolerance = 0.01 * spec.pressure;
-    spec.time_step = 0.7; /* long steps, the default in 3D, are tested in test_long_steps.c */
+    spec.lag = 0; /* the reference has none; test_lag.c */
     return sp_pack_spec_resolve(&spec);
 }
 

@@ -5,7 +5,6 @@
 #include "base/clones.h"
 #include "base/vector.h"
 #include "packing/contact.h"
-#include "packing/inertia.h"
 #include "packing/kernel.h"
 #include "packing/plain.h"
 
@@ -26,7 +25,8 @@ static bool alloc_arrays(dynamics *d) {
         d->wall[side].i = sp_alloc(n, sizeof(int32_t));
         d->wall[side].push = sp_alloc(2 * n, sizeof(double));
         d->wall_past[side] = d->at.past > 0 ? sp_alloc(n * (size_t)d->at.past, sizeof(double)) : NULL;
-        ok = ok && d->wall_ft[side] && d->wall[side].i && d->wall[side].push && (d->wall_past[side] || !d->at.past);
+        d->wall_u[side] = sp_alloc(n * (size_t)d->dim, sizeof(double));
+        ok = ok && d->wall_ft[side] && d->wall_u[side] && d->wall[side].i && d->wall[side].push && (d->wall_past[side] || !d->at.past);
     }
     return ok;
 }
@@ -54,7 +54,7 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
                   .area = spec->width * depth,
                   .pressure = spec->pressure,
                   .plain = spec->reference,
-                  .long_steps = spec->time_step > SP_LONG_STEP && !spec->reference,
+                  .lag = spec->reference ? 0 : spec->lag,
                   .piston_y = height,
                   .piston_mass = spec->cell == SP_CELL_PISTON ? spec->piston_mass * spec->width * depth : INFINITY,
                   .m_min = INFINITY,
@@ -64,6 +64,7 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
     if (spec->tangential == SP_TANGENTIAL_HISTORY && spec->friction > 0)
         d.at.past = MINDLIN_NUMBERS;
     d.rows.both = d.dim == 2 && d.n <= BOTH_MOST;
+    d.at.averaged = d.lag > 0 ? d.dim : 0;
     d.law.friction = spec->friction;
     d.law.eta = spec->friction > 0 ? contact_eta(spec->poisson) : 0;
     d.law.sqrt_eta = sqrt(d.law.eta);
@@ -102,6 +103,7 @@ void sp_dynamics_free(dynamics *d) {
     sp_pair_list_free(&d->spare);
     for (int side = 0; side < MOST_WALLS; side++) {
         sp_free(d->wall_ft[side]);
+        sp_free(d->wall_u[side]);
         sp_free(d->wall_past[side]);
         sp_free(d->wall[side].i);
         sp_free(d->wall[side].push);
@@ -144,6 +146,19 @@ static void turn_at_wall(const dynamics *d, const wall_frame *f, double *row) {
     }
 }
 
+/* Averages the relative velocity at a wall, along it and across; closed: whether it touches the grain. */
+static void average_at_wall(const dynamics *d, bool closed, double *u, double slip[2], double *apart) {
+    double now[3] = {slip[0], slip[1], *apart};
+    for (int a = 0; a < 3; a++) {
+        double *past = u + (a < d->dim - 1 ? a : d->dim - 1);
+        if (a < d->dim - 1 || a == 2)
+            *past = now[a] = closed ? now[a] + d->lag * (*past - now[a]) : now[a];
+    }
+    slip[0] = now[0];
+    slip[1] = now[1];
+    *apart = now[2];
+}
+
 /* A wall is a non-rotating grain of infinite radius with E12 = E*. */
 static void wall_pair(const dynamics *d, int side, int32_t k, double dt) {
     const int32_t i = d->wall[side].i[k];
@@ -155,6 +170,11 @@ static void wall_pair(const dynamics *d, int side, int32_t k, double dt) {
     const double overlap = g[d->at.r] - distance;
     double *ft = d->wall_ft[side] + (int64_t)up * i, t[2] = {0, 0}, slip[2], old = 0, new = 0, size = 0;
     double *past = d->at.past > 0 ? d->wall_past[side] + (int64_t)d->at.past * i : ft;
+    double apart = (side == 1 ? d->piston_v : 0) - g[d->at.v + frame.axis]; /* the wall moves with the cell too */
+    apart = sign * apart + d->strain_rate[frame.axis] * distance;
+    slip_at_wall(d, &frame, g, slip);
+    double slow[2] = {slip[0], slip[1]};
+    average_at_wall(d, overlap > 0, d->wall_u[side] + (int64_t)d->dim * i, slow, &apart);
     memset(row, 0, (size_t)d->at.row * sizeof *row);
     push[0] = push[1] = 0;
     if (!(overlap > 0)) {
@@ -164,9 +184,7 @@ static void wall_pair(const dynamics *d, int side, int32_t k, double dt) {
     }
     const double kn = contact_normal_stiffness(sqrt(g[d->at.r]), overlap), elastic = 2.0 / 3.0 * kn * overlap;
     const double s = sqrt(kn / g[d->at.inv_m]), viscous = 2.0 * law->damping * s, cap = law->friction * elastic;
-    const double apart = (side == 1 ? d->piston_v : 0) - g[d->at.v + frame.axis]; /* the wall moves with the cell too */
-    const double normal = fmax(0, elastic - viscous * (sign * apart + d->strain_rate[frame.axis] * distance));
-    slip_at_wall(d, &frame, g, slip);
+    const double normal = fmax(0, elastic - viscous * apart);
     const double twist = up == 2 ? 0.5 * dt * sign * g[d->at.w + frame.axis] * g[d->at.inv_m + 1] : 0;
     for (int a = 0; a < up; a++) {
         t[a] = ft[a] + (up == 2 ? sign * twist * (a == 0 ? -ft[1] : ft[0]) : 0);
@@ -182,7 +200,7 @@ static void wall_pair(const dynamics *d, int side, int32_t k, double dt) {
     size = sqrt(size);
     for (int a = 0; a < up; a++) {
         ft[a] = size > cap ? t[a] * (cap / size) : t[a];
-        t[a] = ft[a] + viscous * law->sqrt_eta * slip[a];
+        t[a] = ft[a] + viscous * law->sqrt_eta * slow[a];
     }
     size = sqrt(t[0] * t[0] + t[1] * t[1]);
     const double limit = law->friction * law->viscous_limit * normal;

@@ -19,6 +19,7 @@ typedef struct grain_layout {
     int row, turn; /* doubles of a force row, and position of its torque/R */
     int forces;    /* components of a pair's tangential force */
     int past;      /* numbers of its history behind them (mindlin.h); 0 without */
+    int averaged;  /* numbers of its averaged velocity behind those (dynamics.lag); 0 without */
 } grain_layout;
 
 /* Pairs that may touch. There are two lists. `outer` holds all pairs closer than a wide gap, and stores the tangential
@@ -37,6 +38,7 @@ typedef struct pair_list {
     double *image;        /* [dim] lattice vectors to add to x_j - x_i; 0 along axes with walls */
     double *reach;        /* R_i + R_j */
     double *ft; /* elastic tangential force on i: 2D along (-ny, nx); 3D [3]; then the planes of its history */
+    double *u;  /* behind these: averaged relative velocity, 2D along n and (-ny, nx), 3D [3] */
     double *e2; /* 2 E12 sqrt(R12) */
     double *sm; /* sqrt(m_eff 2 E12 sqrt(R12)) */
 } pair_list;
@@ -95,6 +97,7 @@ typedef struct dynamics {
     int walls;                     /* number of walls, in the order of SP_BOTTOM .. SP_BACK; PISTON: bottom and top */
     double wall_force[MOST_WALLS]; /* last normal force on each wall */
     double *wall_ft[MOST_WALLS];   /* [n][dim-1] elastic tangential force on grains at each wall; see wall_frame */
+    double *wall_u[MOST_WALLS];    /* [n][dim] averaged relative velocity at each wall, along it and across */
     double *wall_past[MOST_WALLS]; /* [n][at.past] their history; NULL without */
     wall_list wall[MOST_WALLS];
     pair_list outer, inner;
@@ -113,7 +116,10 @@ typedef struct dynamics {
     double k_max; /* reference code: largest stiffness */
     double piston_k; /* sum of the stiffnesses that act on the piston */
     double drag;     /* rate of the global damping; 0 at first */
-    bool long_steps; /* steps may be too long for the stiffest grains (see inertia.h) */
+    /* Dashpots feel u in place of the relative velocity v of a contact; in each step u = v + lag (u - v), from u = v where
+     * it closes. 0: u = v. Longer steps are stable (piston.c). */
+    double lag;
+    int32_t sparing; /* drag spares loose grains that gain speed (only where dashpots lag) */
     double dt;       /* length of the last step */
     int64_t rebuilds, refills;
     cells cells;   /* of the outer list */
@@ -132,7 +138,7 @@ static inline double *dynamics_grain(const dynamics *d, int32_t i) { return d->g
 static inline double dynamics_radius(const dynamics *d, int32_t i) { return dynamics_grain(d, i)[d->at.r]; }
 
 /* Numbers of a pair that outlast a rebuild of the lists, from ft on. */
-static inline int dynamics_kept(const dynamics *d) { return d->at.forces + d->at.past; }
+static inline int dynamics_kept(const dynamics *d) { return d->at.forces + d->at.past + d->at.averaged; }
 
 /* Edge of the cell along an axis: a period, or the distance of its walls. */
 static inline double dynamics_edge(const dynamics *d, int axis) {
@@ -208,7 +214,7 @@ sp_status sp_pairs_rebuild(dynamics *d, double gap, sp_error *err);
 /* Tangential force on i of a pair (2D: ft[0] along (-ny, nx), and its history behind it). */
 typedef struct pair_force {
     int32_t i, j;
-    double ft[1 + MINDLIN_NUMBERS];
+    double ft[1 + MINDLIN_NUMBERS + 3];
 } pair_force;
 /* Sets the tangential forces of a new dynamics, before its lists are first built. Each pair at most once, in either
  * order. SP_ENOMEM. */

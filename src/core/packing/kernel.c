@@ -2,8 +2,6 @@
 #include "packing/kernel.h"
 #include "base/clones.h"
 
-#include "packing/inertia.h"
-
 #include <math.h>
 
 typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
@@ -12,6 +10,16 @@ typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
  * be a hundred times slower. It is added rather than selected, because for a selection a compiler may compute the roots
  * of both. */
 static const double NO_OVERLAP = 1e-40;
+
+/* Where dashpots lag, the rate of a grain counts as at least this many times that of its stiffest contact. A step that
+ * is stable in packings would not be so for two grains in one contact that rolls: its normal and tangential frequencies
+ * are 2 and sqrt(14) times the rate of dynamics.h, its largest viscous rate 14 zeta times. */
+static const double SINGLE_CONTACT = 2.4;
+
+/* Of the largest rate: grains of a smaller one carry little. */
+static const double WEAK = 0.15;
+
+static ALWAYS_INLINE double larger(double a, double b) { return b > a ? b : a; }
 
 /* Position and sign of a row in the linked list, as in a slot. size: of a row */
 static ALWAYS_INLINE int32_t row_position(int32_t size, int32_t c) { return size * (c >> 1) + (c & 1); }
@@ -64,29 +72,37 @@ static ALWAYS_INLINE void distances2(const dynamics *d, int32_t first, int32_t c
 }
 
 /* Appendix A of the paper for a block of pairs. Tangential springs stretch by the relative velocity times dt. `rough`:
- * with friction. Smooth grains have no rotations and no tangential forces. */
+ * with friction. Smooth grains have no rotations and no tangential forces. `lagging`: dashpots feel averaged velocities. */
 static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int32_t count, block2 *b,
-                               const bool rough) {
+                               const bool rough, const bool lagging) {
     const pair_list *p = &d->inner;
     const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
     const double *restrict dx = b->x, *restrict dy = b->y, *restrict distance = b->r;
     const double *restrict dvx = b->vx, *restrict dvy = b->vy, *restrict spin = b->spin;
-    double *restrict ft = p->ft + first;
+    double *restrict ft = p->ft + first, *restrict un = p->u + first, *restrict ut = un + p->capacity;
     double *restrict fx = b->fx, *restrict fy = b->fy, *restrict turn = b->t, *restrict stiff = b->s;
     const double mu = d->law.friction, eta_dt = d->law.eta * dt, sqrt_eta = d->law.sqrt_eta;
-    const double two_zeta = 2.0 * d->law.damping, mu_viscous = mu * d->law.viscous_limit;
+    const double two_zeta = 2.0 * d->law.damping, mu_viscous = mu * d->law.viscous_limit, lag = d->lag;
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
         double r = distance[k], inverse = 1.0 / r, gap = reach[k] - r, vx = dvx[k], vy = dvy[k];
         double nx = dx[k] * inverse, ny = dy[k] * inverse;
+        double vn = vx * nx + vy * ny;
         double vt = vy * nx - vx * ny - spin[k]; /* relative velocity along (-ny, nx), rotations included */
+        double slow_n = vn, slow_t = vt;         /* what dashpots feel */
+        if (lagging) {
+            slow_n = gap > 0 ? vn + lag * (un[k] - vn) : vn;
+            un[k] = slow_n;
+            slow_t = gap > 0 ? vt + lag * (ut[k] - vt) : vt;
+            ut[k] = slow_t;
+        }
         double overlap = 0.5 * (gap + fabs(gap)) + NO_OVERLAP;
         double u = inverse_fourth_root(overlap), root = overlap * u * u;
         double kn = gap > 0 ? e2[k] * root : 0;                 /* k_n = 2 E12 sqrt(R12 n) */
         double s = gap > 0 ? sm[k] * (overlap * u * u * u) : 0; /* sqrt(m_eff k_n) */
         double elastic = (2.0 / 3.0) * kn * overlap;            /* (A1) */
         double viscous = two_zeta * s;
-        double normal = elastic - viscous * (vx * nx + vy * ny);
+        double normal = elastic - viscous * slow_n;
         normal = normal > 0 ? normal : 0; /* no attraction */
         if (!rough) {                     /* a packing that was made with friction may still bring tangential forces */
             ft[k] = 0;
@@ -101,7 +117,7 @@ static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int3
         t = t > cap ? cap : t;
         t = t < -cap ? -cap : t;
         ft[k] = t;
-        double total = t + viscous * sqrt_eta * vt, limit = mu_viscous * normal;
+        double total = t + viscous * sqrt_eta * slow_t, limit = mu_viscous * normal;
         total = total > limit ? limit : total;
         total = total < -limit ? -limit : total;
         fx[k] = -normal * nx - total * ny;
@@ -149,46 +165,43 @@ CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first,
     else
         distances2(d, first, count, &b, false);
     if (d->law.friction > 0)
-        law2(d, dt_past, first, count, &b, true);
+        d->lag > 0 ? law2(d, dt_past, first, count, &b, true, true) : law2(d, dt_past, first, count, &b, true, false);
     else
-        law2(d, dt_past, first, count, &b, false);
+        d->lag > 0 ? law2(d, dt_past, first, count, &b, false, true) : law2(d, dt_past, first, count, &b, false, false);
     if (d->rows.both)
         rows2(d, first, count, &b, true);
     else
         rows2(d, first, count, &b, false);
 }
 
-/* long_steps: see inertia.h. */
+/* lagging: a single contact counts more. */
 static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t first, int32_t last, const bool affine,
-                                         const bool both, const bool long_steps) {
-    const double full = 1.0 - d->drag * dt, strain = d->strain_rate[0] * dt, zeta = d->law.damping;
+                                         const bool both, const bool lagging, const bool sparing) {
+    const double full = 1.0 - d->drag * dt, spare = d->drag * dt, weak = WEAK * d->rate, strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
     const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt;
-    const bool rough = d->law.friction > 0;
     const double *restrict row = d->rows.row;
     const int32_t *restrict slot = d->rows.slot, *restrict count = d->rows.count;
     double v2 = 0, rate = 0;
     for (int32_t i = first; i < last; i++) {
         const int32_t *s = slot + SLOTS * (int64_t)i;
-        v4 one[SLOTS], squares = {0, 0, 0, 0};
+        double most = 0;
+        v4 one[SLOTS];
         for (int k = 0; k < SLOTS; k++) { /* unused slots lead to a row of zeros */
             read2(row, s[k], both, &one[k]);
-            if (long_steps)
-                squares += one[k] * one[k];
+            if (lagging)
+                most = larger(most, row[(s[k] & ~1) + 3]);
         }
         v4 f = ((one[0] + one[1]) + (one[2] + one[3])) + (one[4] + one[5]);
         if (count[i] > SLOTS)
             for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c]) {
                 read2(row, row_position(4, c), both, &one[0]);
                 f += one[0];
-                squares += one[0] * one[0];
+                most = larger(most, one[0][3]);
             }
-        double *g = d->g + 8 * (int64_t)i, kick = dt * g[6], keep = full, fall = d->gravity * dt;
-        if (long_steps) {
-            const double factor = inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 2, rough);
-            const double power = f[0] * g[2] + (f[1] - d->gravity / g[6]) * g[3] + f[2] * g[4];
-            keep = power > 0 ? 1 : full;
-            kick /= factor;
-            fall /= factor;
+        double *g = d->g + 8 * (int64_t)i, kick = dt * g[6], keep = full;
+        if (sparing) {
+            const double power = f[0] * g[2] + f[1] * g[3] + f[2] * g[4];
+            keep = full + (power > 0) * (g[6] * f[3] < weak || f[3] < 2 * most) * spare;
         }
         double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1] - fall;
         g[0] += dt * vx + (affine ? strain * g[0] + shear * g[1] : strain * g[0]);
@@ -196,22 +209,24 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
         g[2] = vx;
         g[3] = vy;
         g[4] = keep * g[4] + 2.5 * kick * f[2]; /* I = 0.4 m R^2 */
-        double square = vx * vx + vy * vy, fast = g[6] * f[3];
-        v2 = square > v2 ? square : v2;
-        rate = fast > rate ? fast : rate;
+        v2 = larger(v2, vx * vx + vy * vy);
+        rate = larger(rate, g[6] * (lagging ? larger(f[3], SINGLE_CONTACT * most) : f[3]));
     }
     return (kernel_maxima){v2, rate};
 }
 
+static ALWAYS_INLINE kernel_maxima move2_any(const dynamics *d, double dt, int32_t first, int32_t last,
+                                             const bool affine, const bool both) {
+    if (d->lag > 0 && d->sparing)
+        return move2(d, dt, first, last, affine, both, true, true);
+    return d->lag > 0 ? move2(d, dt, first, last, affine, both, true, false)
+                      : move2(d, dt, first, last, affine, both, false, false);
+}
+
 CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last) {
-    if (d->long_steps)
-        return d->rows.both ? move2(d, dt, first, last, true, true, true)
-                            : move2(d, dt, first, last, true, false, true);
     if (d->affine)
-        return d->rows.both ? move2(d, dt, first, last, true, true, false)
-                            : move2(d, dt, first, last, true, false, false);
-    return d->rows.both ? move2(d, dt, first, last, false, true, false)
-                        : move2(d, dt, first, last, false, false, false);
+        return d->rows.both ? move2_any(d, dt, first, last, true, true) : move2_any(d, dt, first, last, true, false);
+    return d->rows.both ? move2_any(d, dt, first, last, false, true) : move2_any(d, dt, first, last, false, false);
 }
 
 /* ---- 3D ------------------------------------------------------------------------------------------------------ */
@@ -224,6 +239,7 @@ typedef struct block3 {
     _Alignas(64) double x[3][PLANE], v[3][PLANE]; /* of j minus i; later the normal and the slip velocity */
     double w[3][PLANE];                           /* w_i + w_j; later the torque/R */
     double turn[3][PLANE];                        /* sum of the angular velocities; later the tangential force */
+    double u[3][PLANE];                           /* averaged slip velocity */
     double along[PLANE], normal[PLANE], elastic[PLANE], stretch[PLANE], s[PLANE];
 } block3;
 
@@ -270,15 +286,16 @@ static ALWAYS_INLINE void gather3(const dynamics *d, int32_t first, int32_t coun
 /* Distances, normals and normal forces. Smooth grains are done then: their forces overwrite x, and tangential forces
  * that a packing brings are dropped. */
 static ALWAYS_INLINE void normals3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b,
-                                   const bool rough, const bool affine) {
+                                   const bool rough, const bool affine, const bool lagging) {
     const pair_list *p = &d->inner;
+    double *restrict ux = p->u + first, *restrict uy = ux + p->capacity, *restrict uz = uy + p->capacity;
     const double *restrict ix = p->image + first, *restrict iy = ix + p->capacity, *restrict iz = iy + p->capacity;
     const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
     double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
     const double sx = d->period[0], sy = d->period[1], sz = d->piston_y, xy = d->tilt[0], xz = d->tilt[1];
     const double yz = d->tilt[2], rx = d->strain_rate[0], ry = d->strain_rate[1], rz = d->strain_rate[2];
     const double gxy = d->shear_rate[0], gxz = d->shear_rate[1], gyz = d->shear_rate[2];
-    const double two_zeta = 2.0 * d->law.damping, eta_dt = d->law.eta * dt;
+    const double two_zeta = 2.0 * d->law.damping, eta_dt = d->law.eta * dt, lag = d->lag;
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
         double x = b->x[0][k] + ix[k] * sx, y = b->x[1][k] + iy[k] * sy, z = b->x[2][k];
@@ -300,8 +317,21 @@ static ALWAYS_INLINE void normals3(const dynamics *d, double dt, int32_t first, 
         double kn_closed = e2[k] * root, s_closed = sm[k] * (overlap * u * u * u);
         double kn = gap > 0 ? kn_closed : 0, s = gap > 0 ? s_closed : 0;
         double elastic = (2.0 / 3.0) * kn * overlap, viscous = two_zeta * s;
-        double vn = vx * nx + vy * ny + vz * nz;
-        double normal = elastic - viscous * vn;
+        double vn = vx * nx + vy * ny + vz * nz, slow = vn; /* slow: what dashpots feel */
+        if (lagging) {
+            const double wx = rough ? b->w[0][k] : 0, wy = rough ? b->w[1][k] : 0, wz = rough ? b->w[2][k] : 0;
+            const double px = vx - (wy * nz - wz * ny), py = vy - (wz * nx - wx * nz), pz = vz - (wx * ny - wy * nx);
+            const double qx = gap > 0 ? px + lag * (ux[k] - px) : px, qy = gap > 0 ? py + lag * (uy[k] - py) : py;
+            const double qz = gap > 0 ? pz + lag * (uz[k] - pz) : pz;
+            slow = qx * nx + qy * ny + qz * nz;
+            ux[k] = qx;
+            uy[k] = qy;
+            uz[k] = qz;
+            b->u[0][k] = qx - slow * nx;
+            b->u[1][k] = qy - slow * ny;
+            b->u[2][k] = qz - slow * nz;
+        }
+        double normal = elastic - viscous * slow;
         normal = normal > 0 ? normal : 0;
         b->s[k] = s;
         b->x[0][k] = rough ? nx : -normal * nx;
@@ -354,7 +384,7 @@ static ALWAYS_INLINE void springs3(const dynamics *d, double dt, int32_t first, 
 }
 
 /* Limits the springs by sliding, stores them, and adds the dashpots. */
-static ALWAYS_INLINE void limits3(const dynamics *d, int32_t first, int32_t count, block3 *b) {
+static ALWAYS_INLINE void limits3(const dynamics *d, int32_t first, int32_t count, block3 *b, const bool lagging) {
     const pair_list *p = &d->inner;
     double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
     const double mu = d->law.friction, two_zeta = 2.0 * d->law.damping, sqrt_eta = d->law.sqrt_eta;
@@ -369,9 +399,9 @@ static ALWAYS_INLINE void limits3(const dynamics *d, int32_t first, int32_t coun
         tx[k] = fx;
         ty[k] = fy;
         tz[k] = fz;
-        b->turn[0][k] = fx + c * b->v[0][k];
-        b->turn[1][k] = fy + c * b->v[1][k];
-        b->turn[2][k] = fz + c * b->v[2][k];
+        b->turn[0][k] = fx + c * (lagging ? b->u : b->v)[0][k];
+        b->turn[1][k] = fy + c * (lagging ? b->u : b->v)[1][k];
+        b->turn[2][k] = fz + c * (lagging ? b->u : b->v)[2][k];
     }
 }
 
@@ -417,73 +447,77 @@ static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count,
 
 /* Appendix A of the paper for a block of pairs, as law2, with a vector for the tangential force. */
 static ALWAYS_INLINE void pairs3(const dynamics *d, double dt, int32_t start, int32_t all, const bool rough,
-                                 const bool affine) {
+                                 const bool affine, const bool lagging) {
     block3 b;
     for (int32_t first = start; first < start + all; first += PIECE) {
         const int32_t left = start + all - first, count = left < PIECE ? left : PIECE;
         gather3(d, first, count, &b, rough);
-        normals3(d, dt, first, count, &b, rough, affine);
+        normals3(d, dt, first, count, &b, rough, affine, lagging);
         if (rough) {
             springs3(d, dt, first, count, &b);
-            limits3(d, first, count, &b);
+            limits3(d, first, count, &b, lagging);
             forces3(d, count, &b);
         }
         rows3(d, first, count, &b, rough);
     }
 }
 
+static ALWAYS_INLINE void pairs3_any(const dynamics *d, double dt, int32_t first, int32_t count, const bool rough,
+                                     const bool affine) {
+    if (d->lag > 0)
+        pairs3(d, dt, first, count, rough, affine, true);
+    else
+        pairs3(d, dt, first, count, rough, affine, false);
+}
+
 /* Whether the grains have rotations, and rows with torques. */
 static ALWAYS_INLINE bool turning(const dynamics *d) { return d->at.row > d->at.turn; }
 
 CLONES void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
-    if (d->affine && turning(d))
-        pairs3(d, dt_past, first, count, true, true);
-    else if (d->affine)
-        pairs3(d, dt_past, first, count, false, true);
-    else if (turning(d))
-        pairs3(d, dt_past, first, count, true, false);
+    if (d->affine)
+        turning(d) ? pairs3_any(d, dt_past, first, count, true, true) : pairs3_any(d, dt_past, first, count, false, true);
     else
-        pairs3(d, dt_past, first, count, false, false);
+        turning(d) ? pairs3_any(d, dt_past, first, count, true, false)
+                   : pairs3_any(d, dt_past, first, count, false, false);
 }
 
 static const double SIGN3[2][4] __attribute__((aligned(32))) = {{1, 1, 1, 1}, {-1, -1, -1, 1}};
 
-/* squares: of the rows' components, for long steps only. */
-static ALWAYS_INLINE void add3(const double *row, int32_t slot, const bool rough, const bool long_steps, v4 *f, v4 *q,
-                               v4 *squares) {
+/* most: the largest rate of a row, where dashpots lag. */
+static ALWAYS_INLINE void add3(const double *row, int32_t slot, const bool rough, const bool lagging, v4 *f, v4 *q,
+                               double *most) {
     const v4 one = *(const v4 *)(row + (slot & ~1));
     *f += *(const v4 *)SIGN3[slot & 1] * one;
-    if (long_steps)
-        *squares += one * one;
+    if (lagging)
+        *most = larger(*most, row[(slot & ~1) + 3]);
     if (rough)
         *q += *(const v4 *)(row + (slot & ~1) + 4);
 }
 
 static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough,
-                                         const bool affine, const bool long_steps) {
-    const double full = 1.0 - d->drag * dt, zeta = d->law.damping, weight = d->gravity;
+                                         const bool affine, const bool lagging, const bool sparing) {
+    const double full = 1.0 - d->drag * dt, spare = d->drag * dt, weak = WEAK * d->rate, weight = d->gravity;
     const double strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0}, rise = d->strain_rate[2] * dt;
     const double shear[3] = {d->shear_rate[0] * dt, d->shear_rate[1] * dt, d->shear_rate[2] * dt};
     const double *restrict row = d->rows.row;
     double v2 = 0, rate = 0;
     for (int32_t i = first; i < last; i++) {
         const int32_t *s = d->rows.slot + SLOTS * (int64_t)i;
-        v4 f = {0, 0, 0, 0}, q = f, squares = f;
+        v4 f = {0, 0, 0, 0}, q = f;
+        double most = 0;
         for (int32_t k = 0; k < SLOTS; k++) /* unused slots lead to a row of zeros */
-            add3(row, s[k], rough, long_steps, &f, &q, &squares);
+            add3(row, s[k], rough, lagging, &f, &q, &most);
         for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c])
-            add3(row, row_position(rough ? 8 : 4, c), rough, long_steps, &f, &q, &squares);
-        double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], keep = full, fall[3] = {0, 0, weight * dt}, square = 0;
+            add3(row, row_position(rough ? 8 : 4, c), rough, lagging, &f, &q, &most);
+        double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], square = 0, keep = full;
+        if (sparing) {
+            const double spin = rough ? q[0] * g[8] + q[1] * g[9] + q[2] * g[10] : 0;
+            const double power = f[0] * g[4] + f[1] * g[5] + f[2] * g[6] + spin;
+            keep = full + (power > 0) * (g[13] * f[3] < weak || f[3] < 3 * most) * spare;
+        }
+        const double fall[3] = {0, 0, weight * dt};
         const double carried[3] = {strain[0] * g[0] + shear[0] * g[1] + shear[1] * g[2],
                                    strain[1] * g[1] + shear[2] * g[2], rise * g[2]};
-        if (long_steps) {
-            const double factor = inertia_factor(zeta, kick * f[3], squares[3] / (f[3] * f[3] + 1e-300), 3, rough);
-            const double push = f[0] * g[4] + f[1] * g[5] + (f[2] - weight / g[13]) * g[6];
-            const double spin = rough ? q[0] * g[8] + q[1] * g[9] + q[2] * g[10] : 0;
-            keep = push + spin > 0 ? 1 : full;
-            kick /= factor;
-            fall[2] /= factor;
-        }
         for (int a = 0; a < 3; a++) {
             double v = keep * g[4 + a] + kick * f[a] - fall[a];
             g[a] += dt * v + (affine ? carried[a] : strain[a] * g[a]);
@@ -492,17 +526,18 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
                 g[8 + a] = keep * g[8 + a] + 2.5 * kick * q[a];
             square += v * v;
         }
-        double fast = g[13] * f[3];
-        v2 = square > v2 ? square : v2;
-        rate = fast > rate ? fast : rate;
+        v2 = larger(v2, square);
+        rate = larger(rate, g[13] * (lagging ? larger(f[3], SINGLE_CONTACT * most) : f[3]));
     }
     return (kernel_maxima){v2, rate};
 }
 
 static ALWAYS_INLINE kernel_maxima move3_any(const dynamics *d, double dt, int32_t first, int32_t last,
                                              const bool rough, const bool affine) {
-    return d->long_steps ? move3(d, dt, first, last, rough, affine, true)
-                         : move3(d, dt, first, last, rough, affine, false);
+    if (d->lag > 0 && d->sparing)
+        return move3(d, dt, first, last, rough, affine, true, true);
+    return d->lag > 0 ? move3(d, dt, first, last, rough, affine, true, false)
+                      : move3(d, dt, first, last, rough, affine, false, false);
 }
 
 CLONES kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {

@@ -131,9 +131,22 @@ static relative relative_of(const dynamics *d, int32_t k) {
     return c;
 }
 
-static void open_pair(const dynamics *d, int32_t k) {
-    for (int a = 0; a < dynamics_kept(d); a++)
+/* What dashpots feel: the relative velocity along n and (-ny, nx), averaged (dynamics.lag). */
+static void average(const dynamics *d, int32_t k, const relative *c, double r, bool closed, double slow[2]) {
+    const double nx = c->x / r, ny = c->y / r;
+    slow[0] = c->vx * nx + c->vy * ny;
+    slow[1] = c->vy * nx - c->vx * ny - c->spin;
+    for (int a = 0; a < d->at.averaged; a++) {
+        double *u = d->inner.u + k + (int64_t)a * d->inner.capacity;
+        slow[a] = *u = closed ? slow[a] + d->lag * (*u - slow[a]) : slow[a];
+    }
+}
+
+static void open_pair(const dynamics *d, int32_t k, const relative *c, double r) {
+    double slow[2];
+    for (int a = 0; a < d->at.forces + d->at.past; a++)
         d->inner.ft[k + (int64_t)a * d->inner.capacity] = 0;
+    average(d, k, c, r, false, slow);
 }
 
 /* The law of law2 in kernel.c, but for the tangential spring. row: force on i, torque/R, sqrt(m_eff k_n) */
@@ -143,10 +156,11 @@ static void closed_pair(const dynamics *d, double dt, int32_t k, const relative 
     const double nx = c->x / r, ny = c->y / r, overlap = p->reach[k] - r, root = sqrt(overlap);
     const double kn = p->e2[k] * root, s = p->sm[k] * sqrt(root), elastic = 2.0 / 3.0 * kn * overlap;
     const double viscous = 2 * law->damping * s, vt = c->vy * nx - c->vx * ny - c->spin;
-    const double normal = fmax(0, elastic - viscous * (c->vx * nx + c->vy * ny));
-    double *ft = p->ft + k;
+    double *ft = p->ft + k, slow[2];
+    average(d, k, c, r, true, slow);
+    const double normal = fmax(0, elastic - viscous * slow[0]);
     *ft = sp_mindlin_slip(ft + p->capacity, p->capacity, *ft, law->friction * elastic, law->eta * kn, vt * dt);
-    const double limit = law->friction * law->viscous_limit * normal, whole = *ft + viscous * law->sqrt_eta * vt;
+    const double limit = law->friction * law->viscous_limit * normal, whole = *ft + viscous * law->sqrt_eta * slow[1];
     const double total = fmin(limit, fmax(-limit, whole));
     row[0] = -normal * nx - total * ny;
     row[1] = -normal * ny + total * nx;
@@ -162,7 +176,7 @@ void sp_history_pairs(const dynamics *d, double dt_past, int32_t first, int32_t 
         if (r < d->inner.reach[k])
             closed_pair(d, dt_past, k, &c, r, row);
         else
-            open_pair(d, k);
+            open_pair(d, k, &c, r);
         memcpy(d->rows.row + 4 * (int64_t)k, row, sizeof row);
         if (!d->rows.both)
             continue;

@@ -300,7 +300,7 @@ static void refill_walls(dynamics *d, double gap) {
 
 /* Number of steps that an inner list should last; gaps in units of `scale`. */
 enum { REFILL_STEPS = 10 };
-static const double OUTER_GAP = 0.4, INNER_GAP_MIN = 2e-3, INNER_GAP_MAX = 0.15;
+static const double OUTER_GAP = 0.5, INNER_GAP_MIN = 2e-3, INNER_GAP_MAX = 0.15;
 
 typedef struct displacements {
     const dynamics *d;

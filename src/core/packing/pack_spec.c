@@ -1,7 +1,6 @@
 /* The table of a packing's keys; defaults, checks and resolved values of its spec. */
 #include "base/base.h"
 #include "packing/contact.h"
-#include "packing/inertia.h"
 #include "packing/prepare.h"
 
 #include <math.h>
@@ -31,17 +30,17 @@ const sp_key sp_pack_keys[] = {
 typedef struct protocol {
     double damping, piston_mass;
     double gas_fraction[4];                    /* by dimension */
-    double time_step, rough_step, smooth_step; /* in 2D, and in 3D with and without friction */
-    double calm, drag[4], viscous_limit, calm_damping;
+    double time_step, lag;
+    double calm, drag, viscous_limit, calm_damping;
 } protocol;
 
-/* DEFAULT is as SOMFAI2005 until the global damping starts: a different motion would give a different material. */
+/* DEFAULT is the motion of SOMFAI2005 in steps three times as long: a different motion would give a different material.
+ */
 static const protocol protocols[] = {
-    [SP_PROTOCOL_DEFAULT] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 1.8, 3.1, 0.01, {0.01, 0.01, 0.01, 0.02}, 1e6, 0.2},
-    [SP_PROTOCOL_SOMFAI2005] =
-        {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.7, 0.7, 0.01, {0.01, 0.01, 0.01, 0.01}, 1e6, 0.8},
-    [SP_PROTOCOL_QUICK] = {0.5, 2, {0.45, 0.45, 0.45, 0.25}, 0.5, 0.5, 0.5, 3, {0.01, 0.01, 0.01, 0.01}, 1, 0.2},
-    [SP_PROTOCOL_AFFINE] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 1.8, 1.8, 3.1, 3, {0.02, 0.02, 0.02, 0.02}, 1e6, 0.2},
+    [SP_PROTOCOL_DEFAULT] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.75, 0.6, 0.01, 0.01, 1e6, 0.8},
+    [SP_PROTOCOL_SOMFAI2005] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0, 0.01, 0.01, 1e6, 0.8},
+    [SP_PROTOCOL_QUICK] = {0.5, 2, {0.45, 0.45, 0.45, 0.25}, 0.5, 0, 3, 0.01, 1, 0.2},
+    [SP_PROTOCOL_AFFINE] = {0.8, 12.5, {0.3, 0.3, 0.3, 0.2}, 0.7, 0.6, 3, 0.01, 1e6, 0.5},
 };
 enum { PROTOCOLS = sizeof protocols / sizeof *protocols };
 _Static_assert(PROTOCOLS == SP_PROTOCOL_AFFINE + 1, "the range of packing.protocol covers all protocols");
@@ -274,10 +273,7 @@ static sp_status check_file(const sp_pack_spec *s, sp_error *err) {
 static const double LATTICE_STEP = 0.5;
 
 static double own_step(const protocol *own, const sp_pack_spec *s) {
-    if (s->dim == 3)
-        return s->friction > 0 ? own->rough_step : own->smooth_step;
-    const bool lattice = s->dim == 2 && sp_sizes_alike(s) && own->time_step <= SP_LONG_STEP;
-    return lattice ? fmin(own->time_step, LATTICE_STEP) : own->time_step;
+    return s->dim == 2 && sp_sizes_alike(s) ? fmin(own->time_step, LATTICE_STEP) : own->time_step;
 }
 
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
@@ -299,10 +295,12 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
         s.gas_fraction = own->gas_fraction[s.dim];
     if (s.time_step == 0)
         s.time_step = own_step(own, &s);
+    if (s.lag < 0)
+        s.lag = own->lag;
     if (s.calm < 0)
         s.calm = own->calm;
     if (s.drag < 0)
-        s.drag = own->drag[s.dim];
+        s.drag = own->drag;
     if (s.calm_damping == 0)
         s.calm_damping = own->calm_damping;
     if (s.viscous_limit == 0)

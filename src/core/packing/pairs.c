@@ -41,6 +41,7 @@ sp_status sp_pair_list_alloc(pair_list *p, const dynamics *d, int32_t capacity, 
     q.sm = q.e2 + n;
     q.image = q.sm + n;
     q.ft = q.image + (size_t)d->dim * n;
+    q.u = q.ft + (size_t)(d->at.forces + d->at.past) * n;
     *p = q;
     return SP_OK;
 }

@@ -126,33 +126,31 @@ static sp_status freeze(const compression *run, sp_packing *out, sp_error *err) 
 
 /* ---- the time step ------------------------------------------------------------------------------------------- */
 
+/* Damping that limits the step like zeta does without lag. Leapfrog whose viscous forces act on u = v + lag (u - v)
+ * of half a step before is stable for q (viscous rate) dt + (omega dt)^2/2 < 2, q = (1 - lag)/(1 + lag). */
+static double lagging(const dynamics *d) { return d->law.damping * (1 - d->lag) / (1 + d->lag); }
+
 /* Largest stable step times `rate`, the largest sum of sqrt(m_eff k_n)/m over the contacts of a grain, for contacts
  * with fraction zeta of critical damping. The largest viscous rate is 6.25 zeta rate, and the largest frequency is
- * rate, both within 5% (measured on packings at 1e-4 and 1e-7). Leapfrog with viscous forces that lag half a step is
- * stable for (viscous rate) dt + (omega dt)^2/2 < 2. */
+ * rate, both within 5% (measured on packings at 1e-4 and 1e-7). */
 static double stable_step(double zeta) {
     const double viscous = 6.25 * zeta;
     return sqrt(viscous * viscous + 4) - viscous;
 }
-
-/* The same during equilibration if steps are long (see inertia.h). */
-static const double LONG_CALM_STEP = 1.45;
 
 /* Fraction of the stable step. While the packing forms, 0.7 of it makes the packing slightly denser (Phi2 by 0.2
  * standard deviations). During equilibration steps only need to be stable, which 0.7 is not in lattices of equal
  * disks. */
 static double step_fraction(const compression *run) {
     const sp_pack_spec *spec = run->spec;
-    if (run->d.long_steps)
-        return run->phase == PHASE_EQUILIBRATION ? LONG_CALM_STEP : spec->time_step;
     const double longer = fmax(spec->time_step, fmin(0.7, 1.4 * spec->time_step));
     return run->phase == PHASE_EQUILIBRATION && !sp_sizes_alike(spec) ? longer : spec->time_step;
 }
 
 /* The same for two equal grains without other contacts, which matters if there is little damping. Their frequency is 2
  * rate or, without sliding, when they rotate against each other, sqrt(7/2) times that. */
-static double stable_pair(const contact_law *law) {
-    const double zeta = law->damping, square = law->friction > 2 ? 2.0 / 7 : 1;
+static double stable_pair(const contact_law *law, double zeta) {
+    const double square = law->friction > 2 ? 2.0 / 7 : 1;
     return sqrt(zeta * zeta + square) - zeta;
 }
 
@@ -160,12 +158,13 @@ static double stable_pair(const contact_law *law) {
  * would have after a step at the largest speed, and with a looser factor, because it is only one step. */
 static double next_step(const compression *run) {
     const dynamics *d = &run->d;
-    const double fraction = step_fraction(run) * stable_step(d->law.damping);
-    const double factor = d->long_steps ? fraction : fmin(fraction, 0.95 * stable_pair(&d->law));
+    const double zeta = lagging(d);
+    const double fraction = step_fraction(run) * stable_step(zeta);
+    const double factor = d->lag > 0 ? fraction : fmin(fraction, 0.95 * stable_pair(&d->law, zeta));
     const double past = d->dt;
     const double fast = d->v_max + fabs(d->strain_rate[d->dim - 1]) * 2 * d->r_max; /* of grains that may touch */
     double soon = 2.0 * sqrt(run->r_min * 2.0 * fast * past); /* k_n = 2 E* sqrt(R n) at a wall, n = 2 v dt */
-    double rate = fmax(d->rate, 0.5 * sqrt(soon / d->m_min));
+    double rate = fmax(d->rate, (d->lag > 0 ? 0.8 : 0.5) * sqrt(soon / d->m_min));
     double dt = rate > 0 ? factor / rate : INFINITY;
     if (d->piston_k > 0) /* a light piston on many grains */
         dt = fmin(dt, 0.4 * factor * sqrt(d->piston_mass / d->piston_k));
@@ -202,15 +201,19 @@ static void start_equilibration(compression *run) {
     run->d.law.viscous_limit = 1;
     run->d.law.damping = run->spec->calm_damping;
     run->full_drag = run->d.drag = find_drag(run);
+    /* others only where they would stall: it changes how many contacts are about to slide */
+    run->d.sparing = run->spec->protocol == SP_PROTOCOL_AFFINE;
 }
 
 /* Some grains roll along a mechanism without stiffness, such as a ball between two strong contacts. Their speed is set
  * by the balance of drag and a tiny force, and they would need 1e7 steps to reach the next contact. If the residual has
  * not halved for STALL_STEPS, the drag is reduced for as long, each time further. */
 static void ease_drag(compression *run) {
-    if (run->phase != PHASE_EQUILIBRATION || run->steps - run->stall_step < STALL_STEPS)
+    const int64_t patience = run->d.lag > 0 ? LONG_STALL_STEPS : STALL_STEPS;
+    if (run->phase != PHASE_EQUILIBRATION || run->steps - run->stall_step < patience)
         return;
     const bool stalled = run->residual > 0.5 * run->stall_residual, full = run->d.drag == run->full_drag;
+    run->d.sparing = run->d.sparing || stalled;
     if (stalled && full)
         run->ease = fmax(0.3 * run->ease, 1e-3);
     run->d.drag = run->full_drag * (stalled && full ? run->ease : 1);
@@ -361,7 +364,9 @@ static sp_status inspect(compression *run, bool *done, sp_error *err) {
     sp_status status = check_periods(run, err);
     if (status == SP_OK)
         status = sp_squeeze_check(run, err);
-    if (status == SP_OK)
+    const bool asked = run->hooks->watch && run->steps % watch_steps(run->d.n) == 0;
+    const bool may_rest = run->phase == PHASE_EQUILIBRATION || run->spec->calm == 0 || run->steps >= run->max_steps;
+    if (status == SP_OK && (may_rest || asked))
         status = sp_dynamics_residual(&run->d, &run->residual, &run->wall_imbalance, err);
     if (status != SP_OK)
         return status;
@@ -442,6 +447,7 @@ static void next_stage(compression *run) {
     run->rest_checks = 0;
     run->first_acceleration = run->first_residual = run->ramp_time = 0;
     d->drag = 0;
+    d->sparing = false;
     d->law.viscous_limit = run->spec->viscous_limit;
     d->law.damping = run->spec->damping;
 }

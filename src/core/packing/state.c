@@ -12,7 +12,7 @@
 #include <string.h>
 
 static const char magic[8] = {'S', 'N', 'P', 'K', 'S', 'T', 'A', 'T'};
-enum { STATE_VERSION = 1, BYTE_ORDER_MARK = 0x01020304 };
+enum { STATE_VERSION = 2, BYTE_ORDER_MARK = 0x01020304 };
 
 /* ---- hashes -------------------------------------------------------------------------------------------------- */
 
@@ -158,6 +158,7 @@ static void visit_run(stream *s, compression *run) {
     visit(s, &run->steps, sizeof run->steps);
     visit(s, &run->stall_step, sizeof run->stall_step);
     visit(s, &run->stage, sizeof run->stage);
+    visit(s, &d->sparing, sizeof d->sparing);
     visit(s, &run->lateral_free, sizeof run->lateral_free);
     visit(s, &phase, sizeof phase);
     visit(s, &rest_checks, sizeof rest_checks);
@@ -191,6 +192,8 @@ static void write_pairs(stream *s, const dynamics *d) {
 static void visit_walls(stream *s, dynamics *d) {
     for (int side = 0; side < d->walls; side++)
         visit(s, d->wall_ft[side], (size_t)d->n * (size_t)(d->dim - 1) * sizeof(double));
+    for (int side = 0; side < d->walls && d->at.averaged > 0; side++)
+        visit(s, d->wall_u[side], (size_t)d->n * (size_t)d->dim * sizeof(double));
     for (int side = 0; side < d->walls && d->at.past > 0; side++)
         visit(s, d->wall_past[side], (size_t)d->n * (size_t)d->at.past * sizeof(double));
 }

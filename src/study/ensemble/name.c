@@ -21,12 +21,6 @@ void sp_hash128(const void *data, size_t size, char text[SP_NAME_MAX]) {
     snprintf(text, SP_NAME_MAX, "%016llx%016llx", (unsigned long long)(hash >> 64), (unsigned long long)hash);
 }
 
-/* Smooth grains that rest by their weight were rattlers in former versions: only packings with such grains changed. */
-static int algorithm_of(const sp_pack_spec *s) {
-    const int number = s->dim == 3 ? SONOPACK_ALGORITHM_3D : SONOPACK_ALGORITHM;
-    return s->gravity > 0 && s->friction == 0 && s->dim > 1 ? number + SONOPACK_ALGORITHM_RESTING : number;
-}
-
 void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]) {
     name[0] = '\0';
     sp_scene nameless = *scene;
@@ -37,7 +31,7 @@ void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]) {
     if (packing && network) {
         char tail[64];
         snprintf(tail, sizeof tail, "signal.source = %d\nalgorithm = %d\n", (int)scene->signal.source,
-                 algorithm_of(&scene->pack));
+                 SONOPACK_ALGORITHM);
         size_t size = strlen(packing) + strlen(network) + strlen(tail) + 1;
         char *text = sp_alloc(size, 1);
         if (text) {
