@@ -45,6 +45,10 @@ typedef struct pair_list {
 
 enum { SPAN = 256 }; /* pairs */
 
+/* Where dashpots lag, the rate of a grain counts as at least this many times that of its stiffest contact: a step that is
+ * stable in packings would not be so for two grains in one contact that rolls (piston.c). */
+static const double SINGLE_CONTACT = 2.4;
+
 /* Grains near a wall, in ascending order. */
 typedef struct wall_list {
     int32_t n;

@@ -11,11 +11,6 @@ typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
  * of both. */
 static const double NO_OVERLAP = 1e-40;
 
-/* Where dashpots lag, the rate of a grain counts as at least this many times that of its stiffest contact. A step that
- * is stable in packings would not be so for two grains in one contact that rolls: its normal and tangential frequencies
- * are 2 and sqrt(14) times the rate of dynamics.h, its largest viscous rate 14 zeta times. */
-static const double SINGLE_CONTACT = 2.4;
-
 /* Of the largest rate: grains of a smaller one carry little. */
 static const double WEAK = 0.15;
 

@@ -148,23 +148,25 @@ static double step_fraction(const compression *run) {
 }
 
 /* The same for two equal grains without other contacts, which matters if there is little damping. Their frequency is 2
- * rate or, without sliding, when they rotate against each other, sqrt(7/2) times that. */
-static double stable_pair(const contact_law *law, double zeta) {
-    const double square = law->friction > 2 ? 2.0 / 7 : 1;
-    return sqrt(zeta * zeta + square) - zeta;
+ * rate or, without sliding, when they rotate against each other, sqrt(7/2) times that. In the longer steps of dashpots
+ * that lag, a row of grains that all turn in the same sense matters too: sqrt(5) times. */
+static double stable_pair(const dynamics *d, double zeta) {
+    const double square = d->law.friction > (d->lag > 0 ? 0 : 2) ? 2.0 / 7 : 1;
+    const double pair = sqrt(zeta * zeta + square) - zeta;
+    return d->lag > 0 ? SINGLE_CONTACT * fmin(pair, 1 / sqrt(5)) : pair;
 }
 
 /* Length of the next step, from the stiffest grain. A contact that closes during the step counts with the stiffness it
- * would have after a step at the largest speed, and with a looser factor, because it is only one step. */
+ * would have after a step at the largest speed, and with a looser factor, because it is only one step. A dashpot does not
+ * lag in that step. */
 static double next_step(const compression *run) {
     const dynamics *d = &run->d;
     const double zeta = lagging(d);
-    const double fraction = step_fraction(run) * stable_step(zeta);
-    const double factor = d->lag > 0 ? fraction : fmin(fraction, 0.95 * stable_pair(&d->law, zeta));
+    const double factor = fmin(step_fraction(run) * stable_step(zeta), 0.95 * stable_pair(d, zeta));
     const double past = d->dt;
     const double fast = d->v_max + fabs(d->strain_rate[d->dim - 1]) * 2 * d->r_max; /* of grains that may touch */
     double soon = 2.0 * sqrt(run->r_min * 2.0 * fast * past); /* k_n = 2 E* sqrt(R n) at a wall, n = 2 v dt */
-    double rate = fmax(d->rate, (d->lag > 0 ? 0.8 : 0.5) * sqrt(soon / d->m_min));
+    double rate = fmax(d->rate, (d->lag > 0 ? fmax(0.8, d->law.damping) : 0.5) * sqrt(soon / d->m_min));
     double dt = rate > 0 ? factor / rate : INFINITY;
     if (d->piston_k > 0) /* a light piston on many grains */
         dt = fmin(dt, 0.4 * factor * sqrt(d->piston_mass / d->piston_k));
