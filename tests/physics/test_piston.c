@@ -139,8 +139,8 @@ TEST(test_default_without_lag) {
     }
 }
 
-/* With the lag they are the same material: heights and contacts agree within three standard errors, in narrow tall boxes,
- * where a protocol that brakes earlier makes another. */
+/* With the lag they are the same material: heights and contacts agree within three standard errors, in narrow tall
+ * boxes, where a protocol that brakes earlier makes another. */
 TEST(test_one_material) {
     enum { SEEDS = 8 };
     for (int dim = 2; dim <= 3; dim++) {

@@ -1,4 +1,5 @@
-/* Dashpots that feel averaged velocities (dynamics.lag), the step that they allow, and drag that spares loose grains. */
+/* Dashpots that feel averaged velocities (dynamics.lag), the step that they allow, and drag that spares loose grains.
+ */
 #include "test.h"
 
 #include "packing/contact.h"
@@ -76,7 +77,7 @@ TEST(test_average_along_a_contact) {
         }
         /* the first step averages with the rest in which the contact was made */
         assert_close(force[1][dim - 1] / force[0][dim - 1],
-                    (1e-3 + LAG * ((1 - LAG) * 3e-3 - 1e-3)) / ((1 - LAG) * 3e-3), 1e-12);
+                     (1e-3 + LAG * ((1 - LAG) * 3e-3 - 1e-3)) / ((1 - LAG) * 3e-3), 1e-12);
         sp_dynamics_free(&d);
     }
 }

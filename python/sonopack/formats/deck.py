@@ -82,7 +82,7 @@ def _step(s: Any, pressure: float, height: float) -> float:
     struck = 2 * e * math.sqrt(math.pow(0.9375 * _mass(r) * (2 * pressure * height / s.piston_mass) / e, 0.4))
     viscous = 6.25 * s.damping  # a lighter damping allows longer steps
     stable, usual = (math.sqrt(v * v + 4) - v for v in (viscous, 6.25 * 0.8))
-    step = min(s.time_step, _DEFAULT_STEP)  # longer steps need grains with more inertia, which LAMMPS does not have
+    step = min(s.time_step, _DEFAULT_STEP)
     factor = _STEP_AT_DEFAULT * step / _DEFAULT_STEP * min(2, stable / usual)
     return float(factor * math.sqrt(_mass(0.5 * s.diameter_min) / max(loaded, struck)))
 

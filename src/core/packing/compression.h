@@ -10,7 +10,14 @@
  * must last this long. STATE: the neighbour lists are rebuilt, at the cost of about ten steps, and the state may be
  * saved. STALL: the residual of a packing that will come to rest halves at least once in this interval; LONG_STALL: the
  * same in the long steps of dashpots that lag. */
-enum { CHECK_STEPS = 40, LATERAL_STEPS = 10, REST_STEPS = 200, STATE_STEPS = 4000, STALL_STEPS = 20000, LONG_STALL_STEPS = 6000 };
+enum {
+    CHECK_STEPS = 40,
+    LATERAL_STEPS = 10,
+    REST_STEPS = 200,
+    STATE_STEPS = 4000,
+    STALL_STEPS = 20000,
+    LONG_STALL_STEPS = 6000
+};
 
 typedef enum compression_phase { PHASE_FLIGHT = 0, PHASE_COMPACTION, PHASE_EQUILIBRATION } compression_phase;
 

@@ -26,7 +26,8 @@ static bool alloc_arrays(dynamics *d) {
         d->wall[side].push = sp_alloc(2 * n, sizeof(double));
         d->wall_past[side] = d->at.past > 0 ? sp_alloc(n * (size_t)d->at.past, sizeof(double)) : NULL;
         d->wall_u[side] = sp_alloc(n * (size_t)d->dim, sizeof(double));
-        ok = ok && d->wall_ft[side] && d->wall_u[side] && d->wall[side].i && d->wall[side].push && (d->wall_past[side] || !d->at.past);
+        ok = ok && d->wall_ft[side] && d->wall_u[side] && d->wall[side].i && d->wall[side].push &&
+             (d->wall_past[side] || !d->at.past);
     }
     return ok;
 }

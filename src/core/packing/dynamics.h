@@ -45,8 +45,8 @@ typedef struct pair_list {
 
 enum { SPAN = 256 }; /* pairs */
 
-/* Where dashpots lag, the rate of a grain counts as at least this many times that of its stiffest contact: a step that is
- * stable in packings would not be so for two grains in one contact that rolls (piston.c). */
+/* Where dashpots lag, the rate of a grain counts as at least this many times that of its stiffest contact: a step that
+ * is stable in packings would not be so for two grains in one contact that rolls (piston.c). */
 static const double SINGLE_CONTACT = 2.4;
 
 /* Grains near a wall, in ascending order. */
@@ -120,8 +120,8 @@ typedef struct dynamics {
     double k_max; /* reference code: largest stiffness */
     double piston_k; /* sum of the stiffnesses that act on the piston */
     double drag;     /* rate of the global damping; 0 at first */
-    /* Dashpots feel u in place of the relative velocity v of a contact; in each step u = v + lag (u - v), from u = v where
-     * it closes. 0: u = v. Longer steps are stable (piston.c). */
+    /* Dashpots feel u in place of the relative velocity v of a contact; in each step u = v + lag (u - v), from u = v
+     * where it closes. 0: u = v. Longer steps are stable (piston.c). */
     double lag;
     int32_t sparing; /* drag spares loose grains that gain speed (only where dashpots lag) */
     double dt;       /* length of the last step */

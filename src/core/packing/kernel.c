@@ -67,9 +67,10 @@ static ALWAYS_INLINE void distances2(const dynamics *d, int32_t first, int32_t c
 }
 
 /* Appendix A of the paper for a block of pairs. Tangential springs stretch by the relative velocity times dt. `rough`:
- * with friction. Smooth grains have no rotations and no tangential forces. `lagging`: dashpots feel averaged velocities. */
-static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int32_t count, block2 *b,
-                               const bool rough, const bool lagging) {
+ * with friction. Smooth grains have no rotations and no tangential forces. `lagging`: dashpots feel averaged
+ * velocities. */
+static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int32_t count, block2 *b, const bool rough,
+                               const bool lagging) {
     const pair_list *p = &d->inner;
     const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
     const double *restrict dx = b->x, *restrict dy = b->y, *restrict distance = b->r;
@@ -172,7 +173,8 @@ CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first,
 /* lagging: a single contact counts more. */
 static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t first, int32_t last, const bool affine,
                                          const bool both, const bool lagging, const bool sparing) {
-    const double full = 1.0 - d->drag * dt, spare = d->drag * dt, weak = WEAK * d->rate, strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
+    const double full = 1.0 - d->drag * dt, spare = d->drag * dt, weak = WEAK * d->rate,
+                 strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
     const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt;
     const double *restrict row = d->rows.row;
     const int32_t *restrict slot = d->rows.slot, *restrict count = d->rows.count;
@@ -470,7 +472,8 @@ static ALWAYS_INLINE bool turning(const dynamics *d) { return d->at.row > d->at.
 
 CLONES void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
     if (d->affine)
-        turning(d) ? pairs3_any(d, dt_past, first, count, true, true) : pairs3_any(d, dt_past, first, count, false, true);
+        turning(d) ? pairs3_any(d, dt_past, first, count, true, true)
+                   : pairs3_any(d, dt_past, first, count, false, true);
     else
         turning(d) ? pairs3_any(d, dt_past, first, count, true, false)
                    : pairs3_any(d, dt_past, first, count, false, false);

@@ -29,7 +29,7 @@ const sp_key sp_pack_keys[] = {
 /* Values that a protocol sets if the spec leaves them open. */
 typedef struct protocol {
     double damping, piston_mass;
-    double gas_fraction[4];                    /* by dimension */
+    double gas_fraction[4]; /* by dimension */
     double time_step, lag;
     double calm, drag, viscous_limit, calm_damping;
 } protocol;

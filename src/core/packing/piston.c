@@ -157,8 +157,8 @@ static double stable_pair(const dynamics *d, double zeta) {
 }
 
 /* Length of the next step, from the stiffest grain. A contact that closes during the step counts with the stiffness it
- * would have after a step at the largest speed, and with a looser factor, because it is only one step. A dashpot does not
- * lag in that step. */
+ * would have after a step at the largest speed, and with a looser factor, because it is only one step. A dashpot does
+ * not lag in that step. */
 static double next_step(const compression *run) {
     const dynamics *d = &run->d;
     const double zeta = lagging(d);
