@@ -24,7 +24,7 @@ def laws():
 
 
 def refusals():
-    for words in (["--vectors", "v.h5"], ["--lowest", "2", "--vectors", "v.tsv", "--mode", "16"]):
+    for words in (["--vectors", "v.h5"], ["--lowest", "2", "--vectors", "v.tsv", "--mode", "13"]):
         refused("network.tangential", "modes", "h.h5", *words, "--set=network.tangential=loading", status=1)
     assert not list(pathlib.Path().glob("v.*"))
     refused("packing.tangential", "pack", "--set=packing.tangential=mindlin", "-o", "no.h5")
