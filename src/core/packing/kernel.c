@@ -170,11 +170,12 @@ CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first,
         rows2(d, first, count, &b, false);
 }
 
-/* lagging: a single contact counts more. */
+/* lagging: dashpots lag, so that a single contact counts more. sparing: see dynamics.sparing; loose are grains whose
+ * contacts are weak, or so few that they hardly hold them. */
 static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t first, int32_t last, const bool affine,
                                          const bool both, const bool lagging, const bool sparing) {
-    const double full = 1.0 - d->drag * dt, spare = d->drag * dt, weak = WEAK * d->rate,
-                 strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
+    const double full = 1.0 - d->drag * dt, spare = d->drag * dt, weak = WEAK * d->rate;
+    const double strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
     const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt;
     const double *restrict row = d->rows.row;
     const int32_t *restrict slot = d->rows.slot, *restrict count = d->rows.count;
@@ -197,7 +198,7 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
             }
         double *g = d->g + 8 * (int64_t)i, kick = dt * g[6], keep = full;
         if (sparing) {
-            const double power = f[0] * g[2] + f[1] * g[3] + f[2] * g[4];
+            const double power = f[0] * g[2] + (f[1] - d->gravity / g[6]) * g[3] + f[2] * g[4];
             keep = full + (power > 0) * (g[6] * f[3] < weak || f[3] < 2 * most) * spare;
         }
         double vx = keep * g[2] + kick * f[0], vy = keep * g[3] + kick * f[1] - fall;
@@ -510,7 +511,7 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
         double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], square = 0, keep = full;
         if (sparing) {
             const double spin = rough ? q[0] * g[8] + q[1] * g[9] + q[2] * g[10] : 0;
-            const double power = f[0] * g[4] + f[1] * g[5] + f[2] * g[6] + spin;
+            const double power = f[0] * g[4] + f[1] * g[5] + (f[2] - weight / g[13]) * g[6] + spin;
             keep = full + (power > 0) * (g[13] * f[3] < weak || f[3] < 3 * most) * spare;
         }
         const double fall[3] = {0, 0, weight * dt};
