@@ -303,7 +303,7 @@ TEST(test_spec_refuses) {
     REFUSED(s.pressure = NAN, "packing.pressure");
     REFUSED(s.friction = -0.1, "packing.friction");
     REFUSED(s.poisson = 0.51, "packing.poisson");
-    REFUSED(s.time_step = 4.5, "packing.time_step 4.5 0.001 4");
+    REFUSED(s.time_step = 4.5, "packing.time_step 4.5 0.001 1");
     REFUSED(s.time_step = 5e-4, "packing.time_step");
     REFUSED(s.dim = 1, "packing.dimension 1 2 3");
     REFUSED(s.dim = 4, "packing.dimension");

@@ -83,7 +83,7 @@ TEST(test_modes) {
     const sp_pack_spec spec = spheres(60, 5, 0.3, 3);
     p = make_packing(&spec);
     follow(&p);
-    compare_modes(&p, false, (mode_case){60, 1});
+    compare_modes(&p, false, (mode_case){70, 1});
 }
 
 /* Modes of one frequency: only as a group. */

@@ -273,7 +273,8 @@ static sp_status check_file(const sp_pack_spec *s, sp_error *err) {
 static const double LATTICE_STEP = 0.5;
 
 static double own_step(const protocol *own, const sp_pack_spec *s) {
-    return s->dim == 2 && sp_sizes_alike(s) ? fmin(own->time_step, LATTICE_STEP) : own->time_step;
+    const bool sticks = own->lag > 0 && s->friction > 2; /* few grains that roll and cannot slide may swing for ever */
+    return sticks || (s->dim == 2 && sp_sizes_alike(s)) ? fmin(own->time_step, LATTICE_STEP) : own->time_step;
 }
 
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {

@@ -149,11 +149,11 @@ static double step_fraction(const compression *run) {
 
 /* The same for two equal grains without other contacts, which matters if there is little damping. Their frequency is 2
  * rate or, without sliding, when they rotate against each other, sqrt(7/2) times that. In the longer steps of dashpots
- * that lag, a row of grains that all turn in the same sense matters too: sqrt(5) times. */
+ * that lag, a row of grains that all turn in the same sense matters too where they hardly slide: sqrt(5) times. */
 static double stable_pair(const dynamics *d, double zeta) {
-    const double square = d->law.friction > (d->lag > 0 ? 0 : 2) ? 2.0 / 7 : 1;
-    const double pair = sqrt(zeta * zeta + square) - zeta;
-    return d->lag > 0 ? SINGLE_CONTACT * fmin(pair, 1 / sqrt(5)) : pair;
+    const bool sticks = d->law.friction > 2, lags = d->lag > 0;
+    const double square = sticks && lags ? 1.0 / 5 : sticks || (lags && d->law.friction > 0) ? 2.0 / 7 : 1;
+    return (lags ? SINGLE_CONTACT : 1) * (sqrt(zeta * zeta + square) - zeta);
 }
 
 /* Length of the next step, from the stiffest grain. A contact that closes during the step counts with the stiffness it
