@@ -174,7 +174,7 @@ CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first,
  * contacts are weak, or so few that they hardly hold them. */
 static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t first, int32_t last, const bool affine,
                                          const bool both, const bool lagging, const bool sparing) {
-    const double full = 1.0 - d->drag * dt, spare = d->drag * dt, weak = WEAK * d->rate;
+    const double spare = d->drag * dt, full = 1.0 - spare, weak = WEAK * d->rate;
     const double strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
     const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt;
     const double *restrict row = d->rows.row;
@@ -215,7 +215,7 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
 
 static ALWAYS_INLINE kernel_maxima move2_any(const dynamics *d, double dt, int32_t first, int32_t last,
                                              const bool affine, const bool both) {
-    if (d->lag > 0 && d->sparing)
+    if (d->sparing) /* only where dashpots lag */
         return move2(d, dt, first, last, affine, both, true, true);
     return d->lag > 0 ? move2(d, dt, first, last, affine, both, true, false)
                       : move2(d, dt, first, last, affine, both, false, false);
@@ -495,7 +495,7 @@ static ALWAYS_INLINE void add3(const double *row, int32_t slot, const bool rough
 
 static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough,
                                          const bool affine, const bool lagging, const bool sparing) {
-    const double full = 1.0 - d->drag * dt, spare = d->drag * dt, weak = WEAK * d->rate, weight = d->gravity;
+    const double spare = d->drag * dt, full = 1.0 - spare, weak = WEAK * d->rate, weight = d->gravity;
     const double strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0}, rise = d->strain_rate[2] * dt;
     const double shear[3] = {d->shear_rate[0] * dt, d->shear_rate[1] * dt, d->shear_rate[2] * dt};
     const double *restrict row = d->rows.row;
@@ -533,7 +533,7 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
 
 static ALWAYS_INLINE kernel_maxima move3_any(const dynamics *d, double dt, int32_t first, int32_t last,
                                              const bool rough, const bool affine) {
-    if (d->lag > 0 && d->sparing)
+    if (d->sparing) /* only where dashpots lag */
         return move3(d, dt, first, last, rough, affine, true, true);
     return d->lag > 0 ? move3(d, dt, first, last, rough, affine, true, false)
                       : move3(d, dt, first, last, rough, affine, false, false);

@@ -204,7 +204,7 @@ static void start_equilibration(compression *run) {
     run->d.law.damping = run->spec->calm_damping;
     run->full_drag = run->d.drag = find_drag(run);
     /* others only where they would stall: it changes how many contacts are about to slide */
-    run->d.sparing = run->spec->protocol == SP_PROTOCOL_AFFINE;
+    run->d.sparing = run->d.lag > 0 && run->spec->protocol == SP_PROTOCOL_AFFINE;
 }
 
 /* Some grains roll along a mechanism without stiffness, such as a ball between two strong contacts. Their speed is set
@@ -215,7 +215,7 @@ static void ease_drag(compression *run) {
     if (run->phase != PHASE_EQUILIBRATION || run->steps - run->stall_step < patience)
         return;
     const bool stalled = run->residual > 0.5 * run->stall_residual, full = run->d.drag == run->full_drag;
-    run->d.sparing = run->d.sparing || stalled;
+    run->d.sparing = run->d.sparing || (run->d.lag > 0 && stalled);
     if (stalled && full)
         run->ease = fmax(0.3 * run->ease, 1e-3);
     run->d.drag = run->full_drag * (stalled && full ? run->ease : 1);
