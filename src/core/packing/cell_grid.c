@@ -9,16 +9,19 @@ sp_status sp_cells_make(int dim, int32_t n, double r_max, cells *out, sp_error *
     *out = (cells){.dim = dim, .r_max = r_max, .box = {1, 1, 1}, .periodic = {dim > 1, dim > 2, false}};
     out->next = sp_alloc((size_t)n, sizeof *out->next);
     out->at = sp_alloc((size_t)n, sizeof *out->at);
-    if (out->next && out->at)
+    out->sorted = sp_alloc((size_t)n, sizeof *out->sorted);
+    if (out->next && out->at && out->sorted)
         return SP_OK;
     sp_cells_free(out);
-    return sp_fail_memory(err, (size_t)n * (sizeof *out->next + sizeof *out->at));
+    return sp_fail_memory(err, (size_t)n * (sizeof *out->next + sizeof *out->at + sizeof *out->sorted));
 }
 
 void sp_cells_free(cells *c) {
     sp_free(c->head);
     sp_free(c->next);
     sp_free(c->at);
+    sp_free(c->sorted);
+    sp_free(c->start);
     *c = (cells){0};
 }
 
@@ -59,10 +62,12 @@ sp_status sp_cells_reset(cells *c, const int64_t population[SP_OCTAVES], double 
     c->count = count;
     if (count > c->capacity) {
         sp_free(c->head);
+        sp_free(c->start);
         c->head = sp_alloc((size_t)count, sizeof *c->head);
-        c->capacity = c->head ? count : 0;
-        if (!c->head)
-            return sp_fail_memory(err, (size_t)count * sizeof *c->head);
+        c->start = sp_alloc((size_t)count + 1, sizeof *c->start);
+        c->capacity = c->head && c->start ? count : 0;
+        if (!c->capacity)
+            return sp_fail_memory(err, (size_t)count * (sizeof *c->head + sizeof *c->start));
     }
     for (int64_t k = 0; k < count; k++)
         c->head[k] = -1;
@@ -94,9 +99,19 @@ void sp_cells_enter(cells *c, int octave, int32_t i, const double *x) { enter(c,
 void sp_cells_locate(cells *c, int octave, int32_t i, const double *x) { c->at[i] = cell_of(c, octave, x); }
 
 void sp_cells_enter_located(cells *c, int32_t n, int64_t first, int64_t last) {
-    for (int32_t i = n - 1; i >= 0; i--)
+    int32_t place = 0;
+    for (int32_t i = n - 1; i >= 0; i--) {
+        place += c->at[i] < first;
         if (c->at[i] >= first && c->at[i] < last)
             enter(c, i, c->at[i]);
+    }
+    for (int64_t cell = first; cell < last; cell++) {
+        c->start[cell] = place;
+        for (int32_t i = c->head[cell]; i >= 0; i = c->next[i])
+            c->sorted[place++] = i;
+    }
+    if (last == c->count)
+        c->start[last] = place;
 }
 
 int sp_cells_near(const cells *c, int octave, const double *x, int64_t cell[SP_CELLS_NEAR]) {

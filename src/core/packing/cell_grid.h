@@ -27,6 +27,7 @@ typedef struct cells {
     int32_t *head;           /* first grain of each cell; -1: none */
     int32_t *next;           /* [n] next grain in the cell; -1: none */
     int64_t *at;             /* [n] cell of each grain, if it was found by sp_cells_locate */
+    int32_t *sorted, *start; /* [n] grains by cell, and [count + 1] the first of each cell in it: of located grains */
 } cells;
 
 /* Allocates cells for n grains. SP_ENOMEM. */
@@ -40,7 +41,7 @@ sp_status sp_cells_reset(cells *c, const int64_t population[SP_OCTAVES], double 
 /* Enters grain i at x. */
 void sp_cells_enter(cells *c, int octave, int32_t i, const double *x);
 /* The same in two steps, which threads can share. First the cell of each grain is found. Then the grains of the cells
- * [first, last) are entered, in ascending order within a cell. */
+ * [first, last) are entered, in ascending order within a cell, and sorted. */
 void sp_cells_locate(cells *c, int octave, int32_t i, const double *x);
 void sp_cells_enter_located(cells *c, int32_t n, int64_t first, int64_t last);
 /* Lists the cells of an octave that can hold neighbours of a grain at x, each once. Returns their number. */

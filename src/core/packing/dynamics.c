@@ -160,8 +160,9 @@ static void average_at_wall(const dynamics *d, bool closed, double *u, double sl
     *apart = now[2];
 }
 
-/* A wall is a non-rotating grain of infinite radius with E12 = E*. */
-static void wall_pair(const dynamics *d, int side, int32_t k, double dt) {
+/* A wall is a non-rotating grain of infinite radius with E12 = E*. Returns the rate of the contact, times
+ * SINGLE_CONTACT. */
+static double wall_pair(const dynamics *d, int side, int32_t k, double dt) {
     const int32_t i = d->wall[side].i[k];
     double *row = d->rows.row + (int64_t)d->at.row * (d->rows.wall[side] + k), *push = d->wall[side].push + 2 * k;
     const contact_law *law = &d->law;
@@ -181,7 +182,7 @@ static void wall_pair(const dynamics *d, int side, int32_t k, double dt) {
     if (!(overlap > 0)) {
         memset(ft, 0, (size_t)up * sizeof *ft);
         memset(past, 0, (size_t)d->at.past * sizeof(double));
-        return;
+        return 0;
     }
     const double kn = contact_normal_stiffness(sqrt(g[d->at.r]), overlap), elastic = 2.0 / 3.0 * kn * overlap;
     const double s = sqrt(kn / g[d->at.inv_m]), viscous = 2.0 * law->damping * s, cap = law->friction * elastic;
@@ -213,30 +214,33 @@ static void wall_pair(const dynamics *d, int side, int32_t k, double dt) {
     row[3] = s;
     push[0] = normal;
     push[1] = kn;
+    return g[d->at.inv_m] * (SINGLE_CONTACT * s);
 }
 
 typedef struct step_work {
     dynamics *d;
     double dt;
     kernel_maxima seen[SP_POOL_MOST];
+    double single[SP_POOL_MOST]; /* of each part */
 } step_work;
 
 static void forces_part(void *data, int part, int parts) {
-    const step_work *work = data;
+    step_work *work = data;
     const dynamics *d = work->d;
+    double single = 0;
     for (int side = 0; side < d->walls; side++)
         for (int32_t k = sp_pool_share(d->wall[side].n, part, parts);
              k < sp_pool_share(d->wall[side].n, part + 1, parts); k++)
-            wall_pair(d, side, k, work->dt);
+            single = fmax(single, wall_pair(d, side, k, work->dt));
     const int64_t blocks = (d->inner.padded + BLOCK - 1) / BLOCK;
     for (int64_t b = blocks * part / parts; b < blocks * (part + 1) / parts; b++) {
         const int32_t first = (int32_t)(b * BLOCK), left = d->inner.padded - first;
         const int32_t count = left < BLOCK ? left : BLOCK;
-        if (d->at.past > 0)
-            sp_history_pairs(d, work->dt, first, count);
-        else
-            (d->dim == 2 ? sp_kernel_pairs_2d : sp_kernel_pairs_3d)(d, work->dt, first, count);
+        single = fmax(single, d->at.past > 0 ? sp_history_pairs(d, work->dt, first, count)
+                              : d->dim == 2  ? sp_kernel_pairs_2d(d, work->dt, first, count)
+                                             : sp_kernel_pairs_3d(d, work->dt, first, count));
     }
+    work->single[part] = single;
 }
 
 /* Adds what the grains push on the walls, always in the same order. */
@@ -257,6 +261,9 @@ void sp_dynamics_forces(dynamics *d, double dt_past) {
         return;
     }
     sp_pool_run(d->pool, forces_part, &work);
+    d->single = 0;
+    for (int part = 0; part < sp_pool_parts(d->pool); part++)
+        d->single = fmax(d->single, work.single[part]);
     add_pushes(d);
 }
 
@@ -276,7 +283,7 @@ static void move_grains(dynamics *d, double dt) {
         all.rate = work.seen[part].rate > all.rate ? work.seen[part].rate : all.rate;
     }
     d->v_max = sqrt(all.v2);
-    d->rate = all.rate;
+    d->rate = d->lag > 0 ? fmax(all.rate, d->single) : all.rate;
 }
 
 void sp_dynamics_advance(dynamics *d, double dt) {

@@ -37,10 +37,11 @@ typedef struct pair_list {
     int32_t *span;        /* inner: [blocks of SPAN pairs][2] lowest and highest grain; threads skip blocks by it */
     double *image;        /* [dim] lattice vectors to add to x_j - x_i; 0 along axes with walls */
     double *reach;        /* R_i + R_j */
-    double *ft; /* elastic tangential force on i: 2D along (-ny, nx); 3D [3]; then the planes of its history */
-    double *u;  /* behind these: averaged relative velocity, 2D along n and (-ny, nx), 3D [3] */
-    double *e2; /* 2 E12 sqrt(R12) */
-    double *sm; /* sqrt(m_eff 2 E12 sqrt(R12)) */
+    double *ft;    /* elastic tangential force on i: 2D along (-ny, nx); 3D [3]; then the planes of its history */
+    double *u;     /* behind these: averaged relative velocity, 2D along n and (-ny, nx), 3D [3] */
+    double *e2;    /* 2 E12 sqrt(R12) */
+    double *sm;    /* sqrt(m_eff 2 E12 sqrt(R12)) */
+    double *light; /* the larger 1/m */
 } pair_list;
 
 enum { SPAN = 256 }; /* pairs */
@@ -119,7 +120,9 @@ typedef struct dynamics {
                      at critical damping (measured, within 5%) */
     double k_max; /* reference code: largest stiffness */
     double piston_k; /* sum of the stiffnesses that act on the piston */
-    double drag;     /* rate of the global damping; 0 at first */
+    double
+        single;  /* where dashpots lag, the largest rate that a grain would have in one contact, times SINGLE_CONTACT */
+    double drag; /* rate of the global damping; 0 at first */
     /* Dashpots feel u in place of the relative velocity v of a contact; in each step u = v + lag (u - v), from u = v
      * where it closes. 0: u = v. Longer steps are stable (piston.c). */
     double lag;

@@ -5,6 +5,7 @@
 #include <math.h>
 
 typedef double v4 __attribute__((vector_size(32), aligned(32), may_alias));
+typedef int64_t mask4 __attribute__((vector_size(32)));
 
 /* Overlap used for open pairs. It is tiny, but powers of its fourth root are still normal numbers; denormal ones would
  * be a hundred times slower. It is added rather than selected, because for a selection a compiler may compute the roots
@@ -16,15 +17,41 @@ static const double WEAK = 0.15;
 
 static ALWAYS_INLINE double larger(double a, double b) { return b > a ? b : a; }
 
+static ALWAYS_INLINE void keep_larger(v4 *most, const v4 *one) {
+    const mask4 less = *most < *one;
+    *most = (v4)(((mask4)*one & less) | ((mask4)*most & ~less));
+}
+
+static ALWAYS_INLINE double largest(const v4 *a) { return larger(larger((*a)[0], (*a)[1]), larger((*a)[2], (*a)[3])); }
+
 /* Position and sign of a row in the linked list, as in a slot. size: of a row */
 static ALWAYS_INLINE int32_t row_position(int32_t size, int32_t c) { return size * (c >> 1) + (c & 1); }
+
+/* Hertz's law for the gaps of a block: k_n = 2 E12 sqrt(R12 n), s = sqrt(m_eff k_n) and the elastic force (A1); all are
+ * 0 for open pairs. It is a loop of its own, as others are below, because the chain of a root is long: in a short loop
+ * a processor works on many pairs at a time. e2, sm: see pair_list */
+static ALWAYS_INLINE void hertz(int32_t count, const double *restrict gap, const double *restrict e2,
+                                const double *restrict sm, double *restrict kn, double *restrict s,
+                                double *restrict elastic) {
+#pragma GCC ivdep
+    for (int32_t k = 0; k < (count & -8); k++) {
+        const double overlap = 0.5 * (gap[k] + fabs(gap[k])) + NO_OVERLAP;
+        const double u = inverse_fourth_root(overlap), root = overlap * u * u;
+        const double kn_closed = e2[k] * root, s_closed = sm[k] * (overlap * u * u * u);
+        const double kn_now = gap[k] > 0 ? kn_closed : 0;
+        kn[k] = kn_now;
+        s[k] = gap[k] > 0 ? s_closed : 0;
+        elastic[k] = (2.0 / 3.0) * kn_now * overlap;
+    }
+}
 
 /* ---- 2D ------------------------------------------------------------------------------------------------------ */
 
 typedef struct block2 {
     _Alignas(64) double d[4 * BLOCK]; /* x, y, vx, vy of j minus i */
     double spin[BLOCK];               /* w_i + w_j */
-    double x[BLOCK], y[BLOCK], r[BLOCK], vx[BLOCK], vy[BLOCK];
+    double nx[BLOCK], ny[BLOCK], gap[BLOCK], vx[BLOCK], vy[BLOCK];
+    double kn[BLOCK], elastic[BLOCK];
     double fx[BLOCK], fy[BLOCK], t[BLOCK], s[BLOCK];
 } block2;
 
@@ -38,12 +65,12 @@ static inline void gather2(const dynamics *d, int32_t first, int32_t count, bloc
     }
 }
 
-/* Distances. They have a loop of their own because processors execute two short dependency chains faster than one long
- * chain. `affine`: images and strains along all axes. */
+/* Normals, gaps and relative velocities. `affine`: images and strains along all axes. */
 static ALWAYS_INLINE void distances2(const dynamics *d, int32_t first, int32_t count, block2 *b, const bool affine) {
     const pair_list *p = &d->inner;
     const double *restrict image = p->image + first, *restrict above = image + p->capacity, *restrict diff = b->d;
-    double *restrict x_out = b->x, *restrict y_out = b->y, *restrict r_out = b->r;
+    const double *restrict reach = p->reach + first;
+    double *restrict nx_out = b->nx, *restrict ny_out = b->ny, *restrict gap_out = b->gap;
     double *restrict vx_out = b->vx, *restrict vy_out = b->vy;
     const double side = d->period[0], height = d->piston_y, tilt = d->tilt[0];
     const double strain_rate = d->strain_rate[0], rise = d->strain_rate[1], shear = d->shear_rate[0];
@@ -54,9 +81,10 @@ static ALWAYS_INLINE void distances2(const dynamics *d, int32_t first, int32_t c
             x += above[k] * tilt;
             y += above[k] * height;
         }
-        x_out[k] = x;
-        y_out[k] = y;
-        r_out[k] = sqrt(x * x + y * y);
+        const double r = sqrt(x * x + y * y), inverse = 1.0 / r;
+        nx_out[k] = x * inverse;
+        ny_out[k] = y * inverse;
+        gap_out[k] = reach[k] - r;
         vx_out[k] = diff[4 * k + 2] + strain_rate * x;
         vy_out[k] = diff[4 * k + 3];
         if (affine) {
@@ -72,17 +100,16 @@ static ALWAYS_INLINE void distances2(const dynamics *d, int32_t first, int32_t c
 static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int32_t count, block2 *b, const bool rough,
                                const bool lagging) {
     const pair_list *p = &d->inner;
-    const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
-    const double *restrict dx = b->x, *restrict dy = b->y, *restrict distance = b->r;
+    const double *restrict gaps = b->gap, *restrict stiff = b->kn, *restrict springs = b->elastic;
+    const double *restrict nxs = b->nx, *restrict nys = b->ny, *restrict ss = b->s;
     const double *restrict dvx = b->vx, *restrict dvy = b->vy, *restrict spin = b->spin;
     double *restrict ft = p->ft + first, *restrict un = p->u + first, *restrict ut = un + p->capacity;
-    double *restrict fx = b->fx, *restrict fy = b->fy, *restrict turn = b->t, *restrict stiff = b->s;
+    double *restrict fx = b->fx, *restrict fy = b->fy, *restrict turn = b->t;
     const double mu = d->law.friction, eta_dt = d->law.eta * dt, sqrt_eta = d->law.sqrt_eta;
     const double two_zeta = 2.0 * d->law.damping, mu_viscous = mu * d->law.viscous_limit, lag = d->lag;
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
-        double r = distance[k], inverse = 1.0 / r, gap = reach[k] - r, vx = dvx[k], vy = dvy[k];
-        double nx = dx[k] * inverse, ny = dy[k] * inverse;
+        double gap = gaps[k], nx = nxs[k], ny = nys[k], vx = dvx[k], vy = dvy[k], elastic = springs[k];
         double vn = vx * nx + vy * ny;
         double vt = vy * nx - vx * ny - spin[k]; /* relative velocity along (-ny, nx), rotations included */
         double slow_n = vn, slow_t = vt;         /* what dashpots feel */
@@ -92,12 +119,7 @@ static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int3
             slow_t = gap > 0 ? vt + lag * (ut[k] - vt) : vt;
             ut[k] = slow_t;
         }
-        double overlap = 0.5 * (gap + fabs(gap)) + NO_OVERLAP;
-        double u = inverse_fourth_root(overlap), root = overlap * u * u;
-        double kn = gap > 0 ? e2[k] * root : 0;                 /* k_n = 2 E12 sqrt(R12 n) */
-        double s = gap > 0 ? sm[k] * (overlap * u * u * u) : 0; /* sqrt(m_eff k_n) */
-        double elastic = (2.0 / 3.0) * kn * overlap;            /* (A1) */
-        double viscous = two_zeta * s;
+        double viscous = two_zeta * ss[k];
         double normal = elastic - viscous * slow_n;
         normal = normal > 0 ? normal : 0; /* no attraction */
         if (!rough) {                     /* a packing that was made with friction may still bring tangential forces */
@@ -105,11 +127,10 @@ static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int3
             fx[k] = -normal * nx;
             fy[k] = -normal * ny;
             turn[k] = 0;
-            stiff[k] = s;
             continue;
         }
-        double cap = mu * elastic;           /* (A3), for the elastic spring */
-        double t = ft[k] + eta_dt * kn * vt; /* (A2): k_t = eta k_n */
+        double cap = mu * elastic;                 /* (A3), for the elastic spring */
+        double t = ft[k] + eta_dt * stiff[k] * vt; /* (A2): k_t = eta k_n */
         t = t > cap ? cap : t;
         t = t < -cap ? -cap : t;
         ft[k] = t;
@@ -119,14 +140,16 @@ static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int3
         fx[k] = -normal * nx - total * ny;
         fy[k] = -normal * ny + total * nx;
         turn[k] = total;
-        stiff[k] = s;
     }
 }
 
-/* Writes the forces of a block to its rows; `both`: also the opposite forces with the same torque to those of j. */
-static ALWAYS_INLINE void rows2(const dynamics *d, int32_t first, int32_t count, const block2 *b, const bool both) {
+/* Writes the forces of a block to its rows; `both`: also the opposite forces with the same torque to those of j.
+ * Returns the largest rate of a single contact. */
+static ALWAYS_INLINE double rows2(const dynamics *d, int32_t first, int32_t count, const block2 *b, const bool both) {
     const v4 other = {-1.0, -1.0, 1.0, 1.0};
+    const double *light = d->inner.light + first;
     double *on_i = d->rows.row + 4 * (int64_t)first, *on_j = d->rows.row + 4 * ((int64_t)d->rows.other + first);
+    v4 single = {0};
     for (int32_t k = 0; k < count; k += 4) {
         const v4 x = *(const v4 *)&b->fx[k], y = *(const v4 *)&b->fy[k];
         const v4 t = *(const v4 *)&b->t[k], s = *(const v4 *)&b->s[k];
@@ -140,7 +163,10 @@ static ALWAYS_INLINE void rows2(const dynamics *d, int32_t first, int32_t count,
             if (both)
                 *(v4 *)&on_j[4 * (k + l)] = other * row[l];
         }
+        const v4 rate = *(const v4 *)&light[k] * (SINGLE_CONTACT * s);
+        keep_larger(&single, &rate);
     }
+    return largest(&single);
 }
 
 /* What the row of a pair is multiplied with, for its i and its j: the force on j is opposite, the torque/R the same. */
@@ -153,27 +179,24 @@ static ALWAYS_INLINE void read2(const double *row, int32_t slot, const bool both
         *f = *(const v4 *)SIGN2[slot & 1] * *(const v4 *)(row + (slot & ~1));
 }
 
-CLONES void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
+CLONES double sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
     block2 b;
     gather2(d, first, count, &b);
     if (d->affine)
         distances2(d, first, count, &b, true);
     else
         distances2(d, first, count, &b, false);
+    hertz(count, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
     if (d->law.friction > 0)
         d->lag > 0 ? law2(d, dt_past, first, count, &b, true, true) : law2(d, dt_past, first, count, &b, true, false);
     else
         d->lag > 0 ? law2(d, dt_past, first, count, &b, false, true) : law2(d, dt_past, first, count, &b, false, false);
-    if (d->rows.both)
-        rows2(d, first, count, &b, true);
-    else
-        rows2(d, first, count, &b, false);
+    return d->rows.both ? rows2(d, first, count, &b, true) : rows2(d, first, count, &b, false);
 }
 
-/* lagging: dashpots lag, so that a single contact counts more. sparing: see dynamics.sparing; loose are grains whose
- * contacts are weak, or so few that they hardly hold them. */
+/* sparing: see dynamics.sparing; loose are grains whose contacts are weak, or so few that they hardly hold them. */
 static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t first, int32_t last, const bool affine,
-                                         const bool both, const bool lagging, const bool sparing) {
+                                         const bool both, const bool sparing) {
     const double spare = d->drag * dt, full = 1.0 - spare, weak = WEAK * d->rate;
     const double strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
     const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt;
@@ -186,7 +209,7 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
         v4 one[SLOTS];
         for (int k = 0; k < SLOTS; k++) { /* unused slots lead to a row of zeros */
             read2(row, s[k], both, &one[k]);
-            if (lagging)
+            if (sparing)
                 most = larger(most, row[(s[k] & ~1) + 3]);
         }
         v4 f = ((one[0] + one[1]) + (one[2] + one[3])) + (one[4] + one[5]);
@@ -208,17 +231,14 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
         g[3] = vy;
         g[4] = keep * g[4] + 2.5 * kick * f[2]; /* I = 0.4 m R^2 */
         v2 = larger(v2, vx * vx + vy * vy);
-        rate = larger(rate, g[6] * (lagging ? larger(f[3], SINGLE_CONTACT * most) : f[3]));
+        rate = larger(rate, g[6] * f[3]);
     }
     return (kernel_maxima){v2, rate};
 }
 
 static ALWAYS_INLINE kernel_maxima move2_any(const dynamics *d, double dt, int32_t first, int32_t last,
                                              const bool affine, const bool both) {
-    if (d->sparing) /* only where dashpots lag */
-        return move2(d, dt, first, last, affine, both, true, true);
-    return d->lag > 0 ? move2(d, dt, first, last, affine, both, true, false)
-                      : move2(d, dt, first, last, affine, both, false, false);
+    return d->sparing ? move2(d, dt, first, last, affine, both, true) : move2(d, dt, first, last, affine, both, false);
 }
 
 CLONES kernel_maxima sp_kernel_move_2d(const dynamics *d, double dt, int32_t first, int32_t last) {
@@ -238,7 +258,8 @@ typedef struct block3 {
     double w[3][PLANE];                           /* w_i + w_j; later the torque/R */
     double turn[3][PLANE];                        /* sum of the angular velocities; later the tangential force */
     double u[3][PLANE];                           /* averaged slip velocity */
-    double along[PLANE], normal[PLANE], elastic[PLANE], stretch[PLANE], s[PLANE];
+    double gap[PLANE], kn[PLANE], s[PLANE], elastic[PLANE]; /* of hertz */
+    double along[PLANE], normal[PLANE];
 } block3;
 
 /* Transposes four vectors of four numbers. */
@@ -281,19 +302,14 @@ static ALWAYS_INLINE void gather3(const dynamics *d, int32_t first, int32_t coun
     }
 }
 
-/* Distances, normals and normal forces. Smooth grains are done then: their forces overwrite x, and tangential forces
- * that a packing brings are dropped. */
-static ALWAYS_INLINE void normals3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b,
-                                   const bool rough, const bool affine, const bool lagging) {
+/* Normals, which overwrite x, gaps, and relative velocities. */
+static ALWAYS_INLINE void distances3(const dynamics *d, int32_t first, int32_t count, block3 *b, const bool affine) {
     const pair_list *p = &d->inner;
-    double *restrict ux = p->u + first, *restrict uy = ux + p->capacity, *restrict uz = uy + p->capacity;
     const double *restrict ix = p->image + first, *restrict iy = ix + p->capacity, *restrict iz = iy + p->capacity;
-    const double *restrict reach = p->reach + first, *restrict e2 = p->e2 + first, *restrict sm = p->sm + first;
-    double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
+    const double *restrict reach = p->reach + first;
     const double sx = d->period[0], sy = d->period[1], sz = d->piston_y, xy = d->tilt[0], xz = d->tilt[1];
     const double yz = d->tilt[2], rx = d->strain_rate[0], ry = d->strain_rate[1], rz = d->strain_rate[2];
     const double gxy = d->shear_rate[0], gxz = d->shear_rate[1], gyz = d->shear_rate[2];
-    const double two_zeta = 2.0 * d->law.damping, eta_dt = d->law.eta * dt, lag = d->lag;
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
         double x = b->x[0][k] + ix[k] * sx, y = b->x[1][k] + iy[k] * sy, z = b->x[2][k];
@@ -302,19 +318,34 @@ static ALWAYS_INLINE void normals3(const dynamics *d, double dt, int32_t first, 
             y += iz[k] * yz;
             z += iz[k] * sz;
         }
-        double vx = b->v[0][k] + rx * x, vy = b->v[1][k] + ry * y, vz = b->v[2][k];
+        double vx = b->v[0][k] + rx * x, vy = b->v[1][k] + ry * y;
         if (affine) {
             vx += gxy * y + gxz * z;
             vy += gyz * z;
-            vz += rz * z;
+            b->v[2][k] += rz * z;
         }
-        double r = sqrt(x * x + y * y + z * z), inverse = 1.0 / r;
-        double nx = x * inverse, ny = y * inverse, nz = z * inverse, gap = reach[k] - r;
-        double overlap = 0.5 * (gap + fabs(gap)) + NO_OVERLAP;
-        double u = inverse_fourth_root(overlap), root = overlap * u * u;
-        double kn_closed = e2[k] * root, s_closed = sm[k] * (overlap * u * u * u);
-        double kn = gap > 0 ? kn_closed : 0, s = gap > 0 ? s_closed : 0;
-        double elastic = (2.0 / 3.0) * kn * overlap, viscous = two_zeta * s;
+        b->v[0][k] = vx;
+        b->v[1][k] = vy;
+        const double r = sqrt(x * x + y * y + z * z), inverse = 1.0 / r;
+        b->x[0][k] = x * inverse;
+        b->x[1][k] = y * inverse;
+        b->x[2][k] = z * inverse;
+        b->gap[k] = reach[k] - r;
+    }
+}
+
+/* Averaged velocities and normal forces. Smooth grains are done then: their forces overwrite x, and tangential forces
+ * that a packing brings are dropped. */
+static ALWAYS_INLINE void normals3(const dynamics *d, int32_t first, int32_t count, block3 *b, const bool rough,
+                                   const bool lagging) {
+    const pair_list *p = &d->inner;
+    double *restrict ux = p->u + first, *restrict uy = ux + p->capacity, *restrict uz = uy + p->capacity;
+    double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
+    const double two_zeta = 2.0 * d->law.damping, lag = d->lag;
+#pragma GCC ivdep
+    for (int32_t k = 0; k < (count & -8); k++) {
+        const double nx = b->x[0][k], ny = b->x[1][k], nz = b->x[2][k], gap = b->gap[k];
+        const double vx = b->v[0][k], vy = b->v[1][k], vz = b->v[2][k];
         double vn = vx * nx + vy * ny + vz * nz, slow = vn; /* slow: what dashpots feel */
         if (lagging) {
             const double wx = rough ? b->w[0][k] : 0, wy = rough ? b->w[1][k] : 0, wz = rough ? b->w[2][k] : 0;
@@ -329,23 +360,16 @@ static ALWAYS_INLINE void normals3(const dynamics *d, double dt, int32_t first, 
             b->u[1][k] = qy - slow * ny;
             b->u[2][k] = qz - slow * nz;
         }
-        double normal = elastic - viscous * slow;
+        double normal = b->elastic[k] - two_zeta * b->s[k] * slow;
         normal = normal > 0 ? normal : 0;
-        b->s[k] = s;
-        b->x[0][k] = rough ? nx : -normal * nx;
-        b->x[1][k] = rough ? ny : -normal * ny;
-        b->x[2][k] = rough ? nz : -normal * nz;
-        if (!rough) {
-            tx[k] = ty[k] = tz[k] = 0;
-            continue;
-        }
-        b->v[0][k] = vx;
-        b->v[1][k] = vy;
-        b->v[2][k] = vz;
         b->along[k] = vn;
         b->normal[k] = normal;
-        b->elastic[k] = elastic;
-        b->stretch[k] = eta_dt * kn;
+        if (!rough) {
+            tx[k] = ty[k] = tz[k] = 0;
+            b->x[0][k] = -normal * nx;
+            b->x[1][k] = -normal * ny;
+            b->x[2][k] = -normal * nz;
+        }
     }
 }
 
@@ -355,7 +379,7 @@ static ALWAYS_INLINE void normals3(const dynamics *d, double dt, int32_t first, 
 static ALWAYS_INLINE void springs3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b) {
     const pair_list *p = &d->inner;
     const double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
-    const double half_dt = 0.5 * dt;
+    const double half_dt = 0.5 * dt, eta_dt = d->law.eta * dt;
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
         const double nx = b->x[0][k], ny = b->x[1][k], nz = b->x[2][k], vn = b->along[k];
@@ -371,7 +395,7 @@ static ALWAYS_INLINE void springs3(const dynamics *d, double dt, int32_t first, 
         fy -= fn * ny;
         fz -= fn * nz;
         const double new2 = fx * fx + fy * fy + fz * fz, same = sqrt(old2 / (new2 + 1e-300));
-        const double stretch = b->stretch[k];
+        const double stretch = eta_dt * b->kn[k];
         b->v[0][k] = gx;
         b->v[1][k] = gy;
         b->v[2][k] = gz;
@@ -424,13 +448,17 @@ static ALWAYS_INLINE void forces3(const dynamics *d, int32_t count, block3 *b) {
     }
 }
 
-/* Smooth grains have rows without torques. */
-static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count, const block3 *b, const bool rough) {
+/* Smooth grains have rows without torques. single: as rows2 returns, one for each place in a vector. */
+static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count, const block3 *b, const bool rough,
+                                v4 *single) {
     const int32_t size = rough ? 8 : 4;
+    const double *light = d->inner.light + first;
     double *to = d->rows.row + size * (int64_t)first;
     for (int32_t k = 0; k < (count & -8); k += 4) {
         v4 force[4] = {*(const v4 *)&b->x[0][k], *(const v4 *)&b->x[1][k], *(const v4 *)&b->x[2][k],
                        *(const v4 *)&b->s[k]};
+        const v4 rate = *(const v4 *)&light[k] * (SINGLE_CONTACT * force[3]);
+        keep_larger(single, &rate);
         transpose(&force[0], &force[1], &force[2], &force[3]);
         for (int l = 0; l < 4; l++)
             *(v4 *)&to[size * (k + l)] = force[l];
@@ -444,57 +472,58 @@ static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count,
 }
 
 /* Appendix A of the paper for a block of pairs, as law2, with a vector for the tangential force. */
-static ALWAYS_INLINE void pairs3(const dynamics *d, double dt, int32_t start, int32_t all, const bool rough,
-                                 const bool affine, const bool lagging) {
+static ALWAYS_INLINE double pairs3(const dynamics *d, double dt, int32_t start, int32_t all, const bool rough,
+                                   const bool affine, const bool lagging) {
     block3 b;
+    v4 single = {0};
     for (int32_t first = start; first < start + all; first += PIECE) {
         const int32_t left = start + all - first, count = left < PIECE ? left : PIECE;
         gather3(d, first, count, &b, rough);
-        normals3(d, dt, first, count, &b, rough, affine, lagging);
+        distances3(d, first, count, &b, affine);
+        hertz(count, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
+        normals3(d, first, count, &b, rough, lagging);
         if (rough) {
             springs3(d, dt, first, count, &b);
             limits3(d, first, count, &b, lagging);
             forces3(d, count, &b);
         }
-        rows3(d, first, count, &b, rough);
+        rows3(d, first, count, &b, rough, &single);
     }
+    return largest(&single);
 }
 
-static ALWAYS_INLINE void pairs3_any(const dynamics *d, double dt, int32_t first, int32_t count, const bool rough,
-                                     const bool affine) {
-    if (d->lag > 0)
-        pairs3(d, dt, first, count, rough, affine, true);
-    else
-        pairs3(d, dt, first, count, rough, affine, false);
+static ALWAYS_INLINE double pairs3_any(const dynamics *d, double dt, int32_t first, int32_t count, const bool rough,
+                                       const bool affine) {
+    return d->lag > 0 ? pairs3(d, dt, first, count, rough, affine, true)
+                      : pairs3(d, dt, first, count, rough, affine, false);
 }
 
 /* Whether the grains have rotations, and rows with torques. */
 static ALWAYS_INLINE bool turning(const dynamics *d) { return d->at.row > d->at.turn; }
 
-CLONES void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
+CLONES double sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
     if (d->affine)
-        turning(d) ? pairs3_any(d, dt_past, first, count, true, true)
-                   : pairs3_any(d, dt_past, first, count, false, true);
-    else
-        turning(d) ? pairs3_any(d, dt_past, first, count, true, false)
-                   : pairs3_any(d, dt_past, first, count, false, false);
+        return turning(d) ? pairs3_any(d, dt_past, first, count, true, true)
+                          : pairs3_any(d, dt_past, first, count, false, true);
+    return turning(d) ? pairs3_any(d, dt_past, first, count, true, false)
+                      : pairs3_any(d, dt_past, first, count, false, false);
 }
 
 static const double SIGN3[2][4] __attribute__((aligned(32))) = {{1, 1, 1, 1}, {-1, -1, -1, 1}};
 
-/* most: the largest rate of a row, where dashpots lag. */
-static ALWAYS_INLINE void add3(const double *row, int32_t slot, const bool rough, const bool lagging, v4 *f, v4 *q,
+/* most: the largest rate of a row, if drag spares loose grains. */
+static ALWAYS_INLINE void add3(const double *row, int32_t slot, const bool rough, const bool sparing, v4 *f, v4 *q,
                                double *most) {
     const v4 one = *(const v4 *)(row + (slot & ~1));
     *f += *(const v4 *)SIGN3[slot & 1] * one;
-    if (lagging)
+    if (sparing)
         *most = larger(*most, row[(slot & ~1) + 3]);
     if (rough)
         *q += *(const v4 *)(row + (slot & ~1) + 4);
 }
 
 static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t first, int32_t last, const bool rough,
-                                         const bool affine, const bool lagging, const bool sparing) {
+                                         const bool affine, const bool sparing) {
     const double spare = d->drag * dt, full = 1.0 - spare, weak = WEAK * d->rate, weight = d->gravity;
     const double strain[3] = {d->strain_rate[0] * dt, d->strain_rate[1] * dt, 0}, rise = d->strain_rate[2] * dt;
     const double shear[3] = {d->shear_rate[0] * dt, d->shear_rate[1] * dt, d->shear_rate[2] * dt};
@@ -505,9 +534,9 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
         v4 f = {0, 0, 0, 0}, q = f;
         double most = 0;
         for (int32_t k = 0; k < SLOTS; k++) /* unused slots lead to a row of zeros */
-            add3(row, s[k], rough, lagging, &f, &q, &most);
+            add3(row, s[k], rough, sparing, &f, &q, &most);
         for (int32_t c = d->rows.further[i]; c >= 0; c = d->rows.chain[c])
-            add3(row, row_position(rough ? 8 : 4, c), rough, lagging, &f, &q, &most);
+            add3(row, row_position(rough ? 8 : 4, c), rough, sparing, &f, &q, &most);
         double *g = d->g + 16 * (int64_t)i, kick = dt * g[13], square = 0, keep = full;
         if (sparing) {
             const double spin = rough ? q[0] * g[8] + q[1] * g[9] + q[2] * g[10] : 0;
@@ -526,17 +555,15 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
             square += v * v;
         }
         v2 = larger(v2, square);
-        rate = larger(rate, g[13] * (lagging ? larger(f[3], SINGLE_CONTACT * most) : f[3]));
+        rate = larger(rate, g[13] * f[3]);
     }
     return (kernel_maxima){v2, rate};
 }
 
 static ALWAYS_INLINE kernel_maxima move3_any(const dynamics *d, double dt, int32_t first, int32_t last,
                                              const bool rough, const bool affine) {
-    if (d->sparing) /* only where dashpots lag */
-        return move3(d, dt, first, last, rough, affine, true, true);
-    return d->lag > 0 ? move3(d, dt, first, last, rough, affine, true, false)
-                      : move3(d, dt, first, last, rough, affine, false, false);
+    return d->sparing ? move3(d, dt, first, last, rough, affine, true)
+                      : move3(d, dt, first, last, rough, affine, false);
 }
 
 CLONES kernel_maxima sp_kernel_move_3d(const dynamics *d, double dt, int32_t first, int32_t last) {

@@ -11,13 +11,14 @@
 enum { BLOCK = 128 }; /* pairs per call; a multiple of the widest vector */
 
 /* Writes the forces of the pairs [first, first + count) of the inner list to their rows. first and count are multiples
- * of 8, and count is at most BLOCK. Open pairs get zero force and lose their tangential force. */
-void sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first, int32_t count);
-void sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count);
+ * of 8, and count is at most BLOCK. Open pairs get zero force and lose their tangential force. Returns the largest rate
+ * of a grain in one of them alone, times SINGLE_CONTACT (see dynamics.single). */
+double sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t first, int32_t count);
+double sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count);
 /* Like sp_kernel_pairs_2d, one by one, for contacts with a loading history (mindlin.h). Open pairs forget it. */
-void sp_history_pairs(const dynamics *d, double dt_past, int32_t first, int32_t count);
+double sp_history_pairs(const dynamics *d, double dt_past, int32_t first, int32_t count);
 
-/* Largest squared speed and largest rate (see dynamics) of a part of the grains. */
+/* Largest squared speed and largest sum of the rates of a grain's contacts (see dynamics) in a part of the grains. */
 typedef struct kernel_maxima {
     double v2, rate;
 } kernel_maxima;

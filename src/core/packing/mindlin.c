@@ -168,7 +168,8 @@ static void closed_pair(const dynamics *d, double dt, int32_t k, const relative 
     row[3] = s;
 }
 
-void sp_history_pairs(const dynamics *d, double dt_past, int32_t first, int32_t count) {
+double sp_history_pairs(const dynamics *d, double dt_past, int32_t first, int32_t count) {
+    double single = 0;
     for (int32_t k = first; k < first + count; k++) {
         const relative c = relative_of(d, k);
         const double r = sqrt(c.x * c.x + c.y * c.y);
@@ -178,10 +179,12 @@ void sp_history_pairs(const dynamics *d, double dt_past, int32_t first, int32_t 
         else
             open_pair(d, k, &c, r);
         memcpy(d->rows.row + 4 * (int64_t)k, row, sizeof row);
+        single = fmax(single, d->inner.light[k] * (SINGLE_CONTACT * row[3]));
         if (!d->rows.both)
             continue;
         row[0] = -row[0];
         row[1] = -row[1];
         memcpy(d->rows.row + 4 * ((int64_t)d->rows.other + k), row, sizeof row);
     }
+    return single;
 }

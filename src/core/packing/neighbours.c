@@ -217,6 +217,7 @@ static inline void copy_pairs(const dynamics *d, const int32_t *near, int32_t fi
         inner->reach[n] = outer->reach[k];
         inner->e2[n] = outer->e2[k];
         inner->sm[n] = outer->sm[k];
+        inner->light[n] = outer->light[k];
         for (int a = 0; a < images; a++)
             inner->image[n + (int64_t)a * inner->capacity] = outer->image[k + (int64_t)a * outer->capacity];
         for (int a = 0; a < (dim == 2 ? 1 : 3); a++)
@@ -249,7 +250,7 @@ static void pad(dynamics *d) {
         inner->i[k] = inner->j[k] = d->n;
         inner->at_i[k] = inner->at_j[k] = d->at.stride * d->n;
         inner->reach[k] = -1;
-        inner->e2[k] = inner->sm[k] = 0;
+        inner->e2[k] = inner->sm[k] = inner->light[k] = 0;
         for (int a = 0; a < d->dim - 1; a++)
             inner->image[k + (int64_t)a * inner->capacity] = 1;
         for (int a = 0; a < dynamics_kept(d); a++)

@@ -18,7 +18,7 @@ void sp_pair_list_free(pair_list *p) {
 
 sp_status sp_pair_list_alloc(pair_list *p, const dynamics *d, int32_t capacity, bool inner, sp_error *err) {
     const size_t n = ((size_t)capacity + 15) / 16 * 16, integers = inner ? 6 : 3;
-    const size_t reals = (size_t)(3 + d->dim + dynamics_kept(d));
+    const size_t reals = (size_t)(4 + d->dim + dynamics_kept(d));
     pair_list q = {.capacity = (int32_t)n};
     q.integers = n <= INT32_MAX ? sp_alloc(integers * n, sizeof *q.integers) : NULL;
     q.reals = n <= INT32_MAX ? sp_alloc(reals * n, sizeof *q.reals) : NULL;
@@ -39,7 +39,8 @@ sp_status sp_pair_list_alloc(pair_list *p, const dynamics *d, int32_t capacity, 
     q.reach = q.reals;
     q.e2 = q.reach + n;
     q.sm = q.e2 + n;
-    q.image = q.sm + n;
+    q.light = q.sm + n;
+    q.image = q.light + n;
     q.ft = q.image + (size_t)d->dim * n;
     q.u = q.ft + (size_t)(d->at.forces + d->at.past) * n;
     *p = q;
@@ -119,6 +120,7 @@ typedef struct search {
     double gap, inverse[3]; /* inverse: of the periods, 0 along axes with walls */
     int64_t population[SP_POOL_MOST][SP_OCTAVES];
     int32_t *count; /* [n] pairs of each grain */
+    double *place;  /* [n][dim + 1] positions and radii, in the order of d->cells.sorted */
     found_pairs found[SP_POOL_MOST];
     pair_list to;
 } search;
@@ -149,6 +151,17 @@ static void enter_part(void *data, int part, int parts) {
     sp_cells_enter_located(c, s->d->n, c->count * part / parts, c->count * (part + 1) / parts);
 }
 
+static void place_part(void *data, int part, int parts) {
+    const search *s = data;
+    const dynamics *d = s->d;
+    for (int32_t k = sp_pool_share(d->n, part, parts); k < sp_pool_share(d->n, part + 1, parts); k++) {
+        const double *g = dynamics_grain(d, d->cells.sorted[k]);
+        double *to = s->place + (int64_t)(d->dim + 1) * k;
+        memcpy(to, g, (size_t)d->dim * sizeof *to);
+        to[d->dim] = g[d->at.r];
+    }
+}
+
 static sp_status sort_into_cells(search *s, sp_error *err) {
     dynamics *d = s->d;
     int64_t population[SP_OCTAVES] = {0};
@@ -164,6 +177,7 @@ static sp_status sort_into_cells(search *s, sp_error *err) {
         return status;
     sp_pool_run(d->pool, locate_part, s);
     sp_pool_run(d->pool, enter_part, s);
+    sp_pool_run(d->pool, place_part, s);
     return SP_OK;
 }
 
@@ -205,22 +219,24 @@ static inline double shortest(const search *s, const double *g, const double *h,
 static inline void neighbours_in_cell(const search *s, int64_t cell, int32_t i, bool same, found_pairs *to,
                                       const int dim, const bool piston) {
     const dynamics *d = s->d;
+    const int32_t *sorted = d->cells.sorted, last = d->cells.start[cell + 1];
+    int32_t first = d->cells.start[cell];
+    while (same && first < last && sorted[first] <= i)
+        first++;
     const double *g = dynamics_grain(d, i), r = g[d->at.r] + s->gap;
-    for (int32_t j = d->cells.head[cell]; j >= 0; j = d->cells.next[j]) {
-        if (same && j <= i)
-            continue;
-        const double *h = dynamics_grain(d, j), range = r + h[d->at.r];
+    const size_t most = to->n + (size_t)(last - first);
+    if (most > to->capacity) {
+        int32_t *more = sp_grow(to->j, most, &to->capacity, sizeof *more);
+        to->failed = !more;
+        if (!more)
+            return;
+        to->j = more;
+    }
+    for (int32_t k = first; k < last; k++) {
+        const double *h = s->place + (dim + 1) * (int64_t)k, range = r + h[dim];
         double image[3];
-        if (!(shortest(s, g, h, image, dim, piston) < range * range))
-            continue;
-        if (to->n == to->capacity) {
-            int32_t *more = sp_grow(to->j, to->n + 1, &to->capacity, sizeof *more);
-            to->failed = !more;
-            if (!more)
-                return;
-            to->j = more;
-        }
-        to->j[to->n++] = j;
+        to->j[to->n] = sorted[k]; /* without a branch, which would often be mispredicted */
+        to->n += shortest(s, g, h, image, dim, piston) < range * range;
     }
 }
 
@@ -266,6 +282,7 @@ static void set_pair(const search *s, int32_t k, int32_t i, int32_t j) {
     p->reach[k] = g[d->at.r] + h[d->at.r];
     p->e2[k] = 2.0 * contact_stiffness(g[d->at.r], h[d->at.r]);
     p->sm[k] = sqrt(p->e2[k] / (g[d->at.inv_m] + h[d->at.inv_m])); /* 1/m_eff = 1/m_i + 1/m_j */
+    p->light[k] = fmax(g[d->at.inv_m], h[d->at.inv_m]);
     for (int a = 0; a < d->dim; a++)
         p->image[k + (int64_t)a * p->capacity] = image[a];
 }
@@ -341,8 +358,9 @@ static sp_status list_alloc(search *s, sp_error *err) {
 static sp_status search_pairs(search *s, sp_error *err) {
     dynamics *d = s->d;
     s->count = sp_alloc((size_t)d->n, sizeof *s->count);
-    if (!s->count)
-        return sp_fail_memory(err, (size_t)d->n * sizeof *s->count);
+    s->place = sp_alloc((size_t)d->n * (size_t)(d->dim + 1), sizeof *s->place);
+    if (!s->count || !s->place)
+        return sp_fail_memory(err, (size_t)d->n * (sizeof *s->count + (size_t)(d->dim + 1) * sizeof *s->place));
     sp_status status = sort_into_cells(s, err);
     for (int a = 0; a < d->dim && d->cell == SP_CELL_PERIODIC; a++)
         s->inverse[a] = 1 / dynamics_edge(d, a);
@@ -370,5 +388,6 @@ sp_status sp_pairs_rebuild(dynamics *d, double gap, sp_error *err) {
     for (int part = 0; part < SP_POOL_MOST; part++)
         sp_free(s.found[part].j);
     sp_free(s.count);
+    sp_free(s.place);
     return status;
 }
