@@ -62,6 +62,7 @@ static double noise(uint32_t what, uint32_t i, uint32_t j, uint32_t axis) {
 typedef struct conditions {
     double friction, viscous_limit, dt;
     bool history; /* of contacts (mindlin.h) */
+    double lag;
 } conditions;
 
 static double separation(const dynamics *d, int32_t i, int32_t j) {
@@ -85,6 +86,7 @@ static dynamics make_moving(const dense *from, const conditions *c, bool plain) 
     dynamics d;
     spec.friction = c->friction;
     spec.viscous_limit = c->viscous_limit;
+    spec.lag = c->lag;
     spec.poisson = 0.3;
     spec.reference = plain;
     spec.tangential = c->history ? SP_TANGENTIAL_HISTORY : SP_TANGENTIAL_CONSTANT;
@@ -197,7 +199,7 @@ static void assert_same_motion(dynamics *fast, dynamics *plain, double dt) {
 TEST(test_kernel_equals_plain) {
     const double friction[] = {0, 0.5, 1e6}, limit[] = {1, 1e6}, dt[] = {0, 0.01, 0.3, 1};
     for (int k = 0; k < 4 * 3 * 2 * 4; k++) {
-        const conditions c = {friction[k / 8 % 3], limit[k / 4 % 2], dt[k % 4], false};
+        const conditions c = {friction[k / 8 % 3], limit[k / 4 % 2], dt[k % 4], false, 0};
         dynamics fast = make_moving(&states[k / 24], &c, false), plain = make_moving(&states[k / 24], &c, true);
         if (k % 3 == 0) /* sides that shrink */
             for (int a = 0; a < fast.dim - 1; a++)
@@ -216,7 +218,7 @@ TEST(test_kernel_equals_plain) {
 /* The same with the history of contacts, over steps back and forth, so that contacts remember reversals. */
 TEST(test_history_equals_plain) {
     for (int k = 0; k < 4; k++) {
-        const conditions c = {0.5, k / 2 ? 1 : 1e6, 0.1, true};
+        const conditions c = {0.5, k / 2 ? 1 : 1e6, 0.1, true, 0};
         dynamics fast = make_moving(&states[k % 2], &c, false), plain = make_moving(&states[k % 2], &c, true);
         double turns = 0;
         for (int step = 0; step < 6; step++) {
@@ -281,11 +283,48 @@ static void run_steps(dynamics *d, int steps, double dt) {
     }
 }
 
+/* The rate of a grain from the rows of its contacts, of which a single one counts more where dashpots lag. */
+static double rate_of(const dynamics *d, int32_t i) {
+    double sum = 0, most = 0;
+    for (int s = 0; s < SLOTS && s < d->rows.count[i]; s++) {
+        const double one = d->rows.row[(d->rows.slot[SLOTS * (int64_t)i + s] & ~1) + 3];
+        sum += one;
+        most = fmax(most, one);
+    }
+    return dynamics_grain(d, i)[d->at.inv_m] * fmax(sum, d->lag > 0 ? SINGLE_CONTACT * most : 0);
+}
+
+TEST(test_rate) {
+    for (int k = 0; k < 4; k += 2)
+        for (int lags = 0; lags < 2; lags++) {
+            const conditions c = {0.5, 1e6, 0.1, false, lags ? 0.6 : 0};
+            dynamics d = make_moving(&states[k], &c, false);
+            double rate = 0, at_wall = 0;
+            sp_dynamics_forces(&d, 0.1);
+            for (int32_t i = 0; i < d.n; i++)
+                rate = d.rows.count[i] <= SLOTS ? fmax(rate, rate_of(&d, i)) : rate;
+            sp_dynamics_advance(&d, 0.1);
+            assert_relative(d.rate, rate, 1e-14);
+            /* a grain that touches nothing but the wall, all others pulled apart */
+            for (int32_t i = 0; i < d.n; i++)
+                dynamics_grain(&d, i)[d.dim - 1] = i == 0 ? 0.9 * dynamics_radius(&d, 0) : 10.0 + 3 * i;
+            d.piston_y = 20 + 3 * d.n;
+            d.outer_travel = INFINITY;
+            assert_ok(sp_neighbours_refresh(&d, &err));
+            sp_dynamics_forces(&d, 0.1);
+            at_wall = rate_of(&d, 0);
+            sp_dynamics_advance(&d, 0.1);
+            assert_relative(d.rate, at_wall, 1e-14);
+            assert_true(at_wall > 0);
+            sp_dynamics_free(&d);
+        }
+}
+
 static const int THREADS[] = {2, 3, 5};
 
 TEST(test_threads) {
     for (int k = 0; k < 4; k++) {
-        const conditions c = {0.5, 1e6, 0.1, k == 1};
+        const conditions c = {0.5, 1e6, 0.1, k == 1, 0.6};
         dynamics alone = make_moving(&states[k], &c, false);
         run_steps(&alone, 300, 0.1);
         assert_true(alone.refills >= 5 && alone.rebuilds >= 5);
@@ -345,7 +384,7 @@ TEST(test_lists_of_threads) {
 
 /* Disks with a row of forces for both grains of a pair, and with one that they share. */
 TEST(test_shared_rows) {
-    const conditions c = {0.5, 1e6, 0.1, false};
+    const conditions c = {0.5, 1e6, 0.1, false, 0};
     for (int k = 0; k < 2; k++) {
         dynamics both = make_moving(&states[k], &c, false), shared = make_moving(&states[k], &c, false);
         assert_true(both.rows.both);
