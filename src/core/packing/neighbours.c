@@ -258,17 +258,12 @@ static void pad(dynamics *d) {
     }
 }
 
-/* Memory for all pairs of the outer list. */
-static sp_status inner_alloc(dynamics *d, sp_error *err) {
-    pair_list more;
-    if (d->inner.capacity >= d->outer.n + 8)
+/* Memory for n pairs. What the old list holds has been stored. */
+static sp_status inner_alloc(dynamics *d, int32_t n, sp_error *err) {
+    if (d->inner.capacity >= n + 8)
         return SP_OK;
-    sp_status status = sp_pair_list_alloc(&more, d, d->outer.n + d->outer.n / 4 + 8, true, err);
-    if (status != SP_OK)
-        return status;
     sp_pair_list_free(&d->inner);
-    d->inner = more;
-    return SP_OK;
+    return sp_pair_list_alloc(&d->inner, d, n + n / 4 + 8, true, err);
 }
 
 /* Selects the inner list, the walls' lists and the force rows. */
@@ -276,13 +271,14 @@ static sp_status refill(dynamics *d, double gap, sp_error *err) {
     refill_work work = {.d = d, .gap = gap};
     const int parts = sp_pool_parts(d->pool);
     sp_pool_run(d->pool, choose_part, &work);
-    sp_status status = inner_alloc(d, err);
+    int32_t n = 0;
+    for (int part = 0; part < parts; part++)
+        n += work.pairs[part];
+    sp_status status = inner_alloc(d, n, err);
     if (status != SP_OK)
         return status;
     sp_pool_run(d->pool, fill_part, &work);
-    d->inner.n = 0;
-    for (int part = 0; part < parts; part++)
-        d->inner.n += work.pairs[part];
+    d->inner.n = n;
     pad(d);
     join_walls(&work, parts);
     d->inner_gap = gap;
