@@ -45,6 +45,23 @@ static double felt(dynamics *d, double v) {
     return (-force_at(d, v) - contact_force(e, OVERLAP)) / c;
 }
 
+/* Disks that nearly form a lattice have no lag unless it is asked for. */
+TEST(test_lattice) {
+    static const sp_protocol all[] = {SP_PROTOCOL_DEFAULT, SP_PROTOCOL_AFFINE};
+    for (int k = 0; k < 2; k++)
+        for (int dim = 2; dim <= 3; dim++) {
+            sp_pack_spec spec = sp_pack_spec_default();
+            spec.dim = dim;
+            spec.protocol = all[k];
+            assert_true(sp_pack_spec_resolve(&spec).lag == 0.6);
+            spec.diameter_min = 0.9995;
+            spec.diameter_max = 1.0005;
+            assert_true(sp_pack_spec_resolve(&spec).lag == (dim == 2 ? 0 : 0.6));
+            spec.lag = 0.3;
+            assert_true(sp_pack_spec_resolve(&spec).lag == 0.3);
+        }
+}
+
 /* An open contact leaves nothing behind: the average begins where the contact closes. */
 TEST(test_average) {
     for (int dim = 2; dim <= 3; dim++)

@@ -56,8 +56,8 @@ def parser() -> Parser:
     own.add_argument("--figures", choices=("svg", "png", "pdf"), default="svg", help="format of the figures (svg)")
     own.add_argument("--protocol", choices=PROTOCOLS,
                      help="somfai2005: how packings are compressed, as packing.protocol: default; somfai2005, the same "
-                          "motion, damped until the end; or quick and affine, with other materials, several times "
-                          "faster. Lattices of unequal balls always use the default")
+                          "motion in shorter steps; or quick and affine, with other materials, in less time. "
+                          "Lattices of unequal balls always use the default")
     own.add_argument("--dry-run", action="store_true",
                      help="make and write nothing: print what would be made, and what CPU time, memory and disk it "
                           "would take")

@@ -88,7 +88,7 @@ static bool is_compressed(const sp_pack_spec *s) {
 /* Sorting needs a copy of the contacts. Compressed grains have neighbour lists, two of them during a rebuild, and the
  * gas has cells: bytes a grain. Most are in use while the state of a run of minutes is saved: 1060 to 1770 for disks
  * (10^5 and 10^6 under a piston), 1840 to 4800 for spheres. */
-static const double DISK_BYTES = 1800, SPHERE_BYTES = 4800;
+static const double DISK_BYTES = 1700, SPHERE_BYTES = 4300;
 
 /* The history of contacts takes 1.67 times the memory (measured in a gas). */
 static const double HISTORY = 1.7;

@@ -272,10 +272,15 @@ static sp_status check_file(const sp_pack_spec *s, sp_error *err) {
  * packings. It grows above 0.65 of their stable step. */
 static const double LATTICE_STEP = 0.5;
 
+static bool may_order(const sp_pack_spec *s) { return s->dim == 2 && sp_sizes_alike(s); }
+
 static double own_step(const protocol *own, const sp_pack_spec *s) {
     const bool sticks = own->lag > 0 && s->friction > 2; /* few grains that roll and cannot slide may swing for ever */
-    return sticks || (s->dim == 2 && sp_sizes_alike(s)) ? fmin(own->time_step, LATTICE_STEP) : own->time_step;
+    return sticks || may_order(s) ? fmin(own->time_step, LATTICE_STEP) : own->time_step;
 }
+
+/* A lag makes other packings of disks that differ by 0.1%: s1/s2 of a lattice at 1e-4 is 0.786, without it 0.907. */
+static double own_lag(const protocol *own, const sp_pack_spec *s) { return may_order(s) ? 0 : own->lag; }
 
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     sp_pack_spec s = *given;
@@ -297,7 +302,7 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     if (s.time_step == 0)
         s.time_step = own_step(own, &s);
     if (s.lag < 0)
-        s.lag = own->lag;
+        s.lag = own_lag(own, &s);
     if (s.calm < 0)
         s.calm = own->calm;
     if (s.drag < 0)
