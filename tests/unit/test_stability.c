@@ -205,7 +205,7 @@ TEST(test_counts) {
  * by no more than that explains leave it undecided, counted as they are. None but a few spins are taken for zero. */
 TEST(test_unbalanced) {
     for (int dim = 2; dim <= 3; dim++) {
-        sp_pack_spec spec = dim == 2 ? sp_pack_spec_default() : spheres(100, 4.8, 0.5, 22);
+        sp_pack_spec spec = dim == 2 ? sp_pack_spec_default() : spheres(100, 4.8, 0.5, 23);
         spec.protocol = SP_PROTOCOL_QUICK;
         spec.pressure = dim == 2 ? 1e-4 : 1e-3;
         if (dim == 2) {
