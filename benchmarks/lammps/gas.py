@@ -47,5 +47,7 @@ def write_gas(dim, grains, width, pressure, seed, path):
 
 
 if __name__ == "__main__":
+    if len(sys.argv) != 7:
+        sys.exit(__doc__)
     dim, grains, width, pressure, seed, path = sys.argv[1:]
     write_gas(int(dim), int(grains), float(width), float(pressure), int(seed), path)

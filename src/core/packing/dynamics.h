@@ -120,9 +120,8 @@ typedef struct dynamics {
                      at critical damping (measured, within 5%) */
     double k_max; /* reference code: largest stiffness */
     double piston_k; /* sum of the stiffnesses that act on the piston */
-    double
-        single;  /* where dashpots lag, the largest rate that a grain would have in one contact, times SINGLE_CONTACT */
-    double drag; /* rate of the global damping; 0 at first */
+    double single;   /* largest rate of a grain in one of its contacts alone, times SINGLE_CONTACT; of use with lag */
+    double drag;     /* rate of the global damping; 0 at first */
     /* Dashpots feel u in place of the relative velocity v of a contact; in each step u = v + lag (u - v), from u = v
      * where it closes. 0: u = v. Longer steps are stable (piston.c). */
     double lag;
