@@ -4,9 +4,9 @@
 
 #include <sonopack/visibility.h>
 
-#define SONOPACK_VERSION "0.8.1"
+#define SONOPACK_VERSION "0.8.2"
 /* Increased whenever the same scene and seed would give other numbers; part of a sample's name. */
-#define SONOPACK_ALGORITHM 6
+#define SONOPACK_ALGORITHM 7
 
 #ifdef __cplusplus
 extern "C" {

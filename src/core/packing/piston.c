@@ -187,12 +187,12 @@ static double plain_step(const compression *run) {
 /* ---- rest ---------------------------------------------------------------------------------------------------- */
 
 /* Rate of the global damping, which should damp the slowest waves but not hold them back. Their frequency decreases
- * with the pressure and as one over the size of the box. For boxes up to 30 d the protocol's value is used: at 24 and
- * 25 d it was best. */
+ * with the pressure and as one over their length, which is four times the height between bottom and piston, and the
+ * period across. At heights up to 30 d the protocol's value is used: at 24 and 25 d it was best. */
 static double find_drag(const compression *run) {
     const dynamics *d = &run->d;
-    const double longest = fmax(d->piston_y, fmax(d->period[0], d->dim == 3 ? d->period[1] : 0));
-    return run->spec->drag * cbrt(run->spec->pressure / 1e-4) * fmin(1, 30 / longest);
+    const double longest = fmax(4 * d->piston_y, fmax(d->period[0], d->dim == 3 ? d->period[1] : 0));
+    return run->spec->drag * cbrt(run->spec->pressure / 1e-4) * fmin(1, 120 / longest);
 }
 
 static void start_equilibration(compression *run) {
