@@ -14,6 +14,18 @@ typedef double pair __attribute__((vector_size(16)));
 typedef pair pair_memory __attribute__((may_alias));
 typedef int32_t quad_rows __attribute__((may_alias));
 
+/* A sum of any number of terms with the error of one rounding (Knuth's exact sum of two numbers). Equal terms, as of a
+ * regular wall, would otherwise be rounded alike, and errors grow with their number. */
+typedef struct pair_sum {
+    pair high, low;
+} pair_sum;
+static ALWAYS_INLINE void pair_add(pair_sum *s, pair x) {
+    const pair sum = s->high + x, part = sum - s->high;
+    s->low += (s->high - (sum - part)) + (x - part);
+    s->high = sum;
+}
+static ALWAYS_INLINE pair pair_total(const pair_sum *s) { return s->high + s->low; }
+
 typedef struct quad_kind {
     int dim, rotations; /* rotations of a grain: 0, 1 or 3 */
     bool prestress;

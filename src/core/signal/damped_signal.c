@@ -165,13 +165,14 @@ static void read_moments(damped *d, int64_t k) {
     const int64_t n = sp_network_dofs(d->job->net);
     for (int32_t b = 0; b < d->job->detectors; b++) {
         const double *spring = job_detector(d->job, b), *dashpot_rows = d->dashpot_rows + b * n;
-        double sum = 0, size = 0;
+        pair_sum sum = {0};
+        double size = 0;
         for (int64_t q = 0; q < n; q++) {
             const double one = spring[q] * d->u[q], two = dashpot_rows[q] * d->v[q];
-            sum += one + two;
+            pair_add(&sum, (pair){one, two});
             size += fabs(one) + fabs(two);
         }
-        d->moment[b * d->capacity + k] = sum;
+        d->moment[b * d->capacity + k] = pair_total(&sum)[0] + pair_total(&sum)[1];
         d->size[b * d->capacity + k] = size;
     }
 }

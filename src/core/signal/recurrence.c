@@ -146,6 +146,12 @@ double sp_recurrence_norm(const recurrence *r, const sparse_row *row) {
 
 static ALWAYS_INLINE pair absolute(pair x) { return (pair)((bits)x & (bits){INT64_MAX, INT64_MAX}); }
 
+/* Products of chunks or blocks so far. */
+typedef struct product_sums {
+    pair_sum dot;
+    pair size;
+} product_sums;
+
 /* What a chunk's rows need, from its first row on. */
 typedef struct rows {
     const double *u, *weight;
@@ -155,7 +161,7 @@ typedef struct rows {
 } rows;
 
 /* Takes the forces and clears them. */
-static ALWAYS_INLINE void advance_rows(int dim, int dof, rows of, recurrence_products *sum) {
+static ALWAYS_INLINE void advance_rows(int dim, int dof, rows of, product_sums *sum) {
     const int kinds = dof > dim ? 2 : 1, row = quad_row(dof);
     pair dot[DOF_MAX] = {{0, 0}}, size[DOF_MAX] = {{0, 0}};
     for (ptrdiff_t k = 0; k < of.count; k++, of.weight += 2 * kinds)
@@ -179,11 +185,11 @@ static ALWAYS_INLINE void advance_rows(int dim, int dof, rows of, recurrence_pro
         dot[0] += dot[a];
         size[0] += size[a];
     }
-    sum->dot += dot[0];
+    pair_add(&sum->dot, dot[0]);
     sum->size += size[0];
 }
 
-CLONES static void advance(int dim, int dof, rows of, recurrence_products *sum) {
+CLONES static void advance(int dim, int dof, rows of, product_sums *sum) {
     switch (10 * dim + dof) {
     case 11: advance_rows(1, 1, of, sum); break;
     case 22: advance_rows(2, 2, of, sum); break;
@@ -225,8 +231,7 @@ static ALWAYS_INLINE void set_line(int dof, double *x, v8 value, bool past_cache
 }
 
 /* What advance_rows does, by lines of three components and in the same order. */
-static ALWAYS_INLINE void advance_lines(int dim, int dof, rows of, bool past_caches, bool doubled,
-                                        recurrence_products *sum) {
+static ALWAYS_INLINE void advance_lines(int dim, int dof, rows of, bool past_caches, bool doubled, product_sums *sum) {
     const int kinds = dof > dim ? 2 : 1, lines = dof == 6 ? 2 : 1;
     const i8 positive = {INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX, INT64_MAX};
     v8 dot[2] = {{0}}, size[2] = {{0}};
@@ -252,20 +257,20 @@ static ALWAYS_INLINE void advance_lines(int dim, int dof, rows of, bool past_cac
         all[0] += (pair){dot[a / 3][2 * (a % 3)], dot[a / 3][2 * (a % 3) + 1]};
         all[1] += (pair){size[a / 3][2 * (a % 3)], size[a / 3][2 * (a % 3) + 1]};
     }
-    sum->dot += all[0];
+    pair_add(&sum->dot, all[0]);
     sum->size += all[1];
     if (past_caches)
         __builtin_ia32_sfence();
 }
 
-static ALWAYS_INLINE void advance_each(int dim, int dof, rows of, bool past_caches, recurrence_products *sum) {
+static ALWAYS_INLINE void advance_each(int dim, int dof, rows of, bool past_caches, product_sums *sum) {
     if (past_caches)
         of.doubled ? advance_lines(dim, dof, of, true, true, sum) : advance_lines(dim, dof, of, true, false, sum);
     else
         of.doubled ? advance_lines(dim, dof, of, false, true, sum) : advance_lines(dim, dof, of, false, false, sum);
 }
 
-static void advance_wide(int dim, int dof, rows of, bool past_caches, recurrence_products *sum) {
+static void advance_wide(int dim, int dof, rows of, bool past_caches, product_sums *sum) {
     switch (10 * dim + dof) {
     case 22: advance_each(2, 2, of, past_caches, sum); break;
     case 23: advance_each(2, 3, of, past_caches, sum); break;
@@ -275,12 +280,12 @@ static void advance_wide(int dim, int dof, rows of, bool past_caches, recurrence
 }
 #pragma GCC pop_options
 #else
-static void advance_wide(int dim, int dof, rows of, bool past_caches, recurrence_products *sum) {
+static void advance_wide(int dim, int dof, rows of, bool past_caches, product_sums *sum) {
     (void)dim, (void)dof, (void)of, (void)past_caches, (void)sum;
 }
 #endif
 
-static void advance_chunk(const recurrence *r, int32_t chunk, double *force, recurrence_products *sum) {
+static void advance_chunk(const recurrence *r, int32_t chunk, double *force, product_sums *sum) {
     const sp_operator *op = r->op;
     const int32_t first = op->chunk_row[chunk];
     const ptrdiff_t at = (ptrdiff_t)first * op->row;
@@ -338,7 +343,7 @@ static void visit_blocks(void *data, int part, int parts) {
     const int64_t begin = (int64_t)r->n_active * part / parts, end = (int64_t)r->n_active * (part + 1) / parts;
     for (int64_t k = begin; k < end; k++) {
         const int32_t b = r->active[k];
-        recurrence_products sum = {{0, 0}, {0, 0}};
+        product_sums sum = {0};
         for (int32_t c = op->chunk[b]; c < op->chunk[b + 1]; c++) {
             double *own = force + (ptrdiff_t)(op->chunk_row[c] - op->first[b]) * op->row;
             sp_operator_force(op, b, c, r->u, force);
@@ -346,7 +351,7 @@ static void visit_blocks(void *data, int part, int parts) {
                 halve_first(r, c, own);
             advance_chunk(r, c, own, &sum);
         }
-        r->dots[b] = sum.dot;
+        r->dots[b] = pair_total(&sum.dot);
         r->sizes[b] = sum.size;
         if (!r->awake[b])
             r->awake[b] = wake(r, b);
@@ -367,12 +372,12 @@ static void find_active(recurrence *r) {
 }
 
 recurrence_products sp_recurrence_step(recurrence *r) {
-    recurrence_products sum = {{0, 0}, {0, 0}};
+    product_sums sum = {0};
     find_active(r);
     sp_pool_run(r->pool, visit_blocks, r);
     for (int32_t k = 0; k < r->n_active; k++) {
         const int32_t b = r->active[k];
-        sum.dot += r->dots[b];
+        pair_add(&sum.dot, r->dots[b]);
         sum.size += r->sizes[b];
         r->dropped += r->awake[b] == 2;
         r->awake[b] = r->awake[b] == 1;
@@ -381,7 +386,7 @@ recurrence_products sp_recurrence_step(recurrence *r) {
     r->u = r->next;
     r->next = old;
     r->step++;
-    return sum;
+    return (recurrence_products){pair_total(&sum.dot), sum.size};
 }
 
 double sp_recurrence_dropped(const recurrence *r, int64_t terms) {
@@ -392,22 +397,14 @@ double sp_recurrence_dropped(const recurrence *r, int64_t terms) {
 }
 
 pair sp_recurrence_product(const recurrence *r, const sparse_row *row, pair *size) {
-    enum { WAYS = 4 }; /* independent sums, added in a fixed order */
-    pair sum[WAYS] = {{0, 0}}, magnitude[WAYS] = {{0, 0}};
-    int64_t k = 0;
-    for (; k + WAYS <= row->n; k += WAYS)
-        for (int q = 0; q < WAYS; q++) {
-            const pair term = row->value[k + q] * *(const pair_memory *)(r->u + row->at[k + q]);
-            sum[q] += term;
-            magnitude[q] += absolute(term);
-        }
-    for (; k < row->n; k++) {
+    pair_sum sum = {0};
+    *size = (pair){0, 0};
+    for (int64_t k = 0; k < row->n; k++) {
         const pair term = row->value[k] * *(const pair_memory *)(r->u + row->at[k]);
-        sum[0] += term;
-        magnitude[0] += absolute(term);
+        pair_add(&sum, term);
+        *size += absolute(term);
     }
-    *size = (magnitude[0] + magnitude[1]) + (magnitude[2] + magnitude[3]);
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+    return pair_total(&sum);
 }
 
 pair sp_recurrence_squares(const recurrence *r) {

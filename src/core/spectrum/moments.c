@@ -3,11 +3,9 @@
 #include "base/base.h"
 #include "linalg/arrays.h"
 #include "network/apply.h"
+#include "network/quads.h"
 
 #include <math.h>
-
-typedef double pair __attribute__((vector_size(16)));
-typedef pair pair_memory __attribute__((may_alias));
 
 void sp_moments_free(moment_set *m) {
     sp_free(m->xx); /* one block */
@@ -37,46 +35,38 @@ static sp_status chain_make(const sp_network *net, const double *start, double o
     return SP_OK;
 }
 
-/* <now|now> and <now|old> of each vector; products of the two: x now y now, x old y now, x now y old. */
+/* <now|now> and <now|old> of each vector; of the two: x now y now, and x old y now + x now y old. */
 typedef struct products {
-    pair now, old;
-    double both, back, ahead;
+    pair now, old, both;
 } products;
 
 static products squares(const chain *c) {
-    products p = {0};
+    pair_sum now = {0}, both = {0};
     for (int64_t k = 0; k < c->dofs; k++) {
         const pair x = ((const pair_memory *)c->u)[k];
-        p.now += c->mass[k] * (x * x);
-        p.both += c->mass[k] * x[0] * x[1];
+        pair_add(&now, c->mass[k] * (x * x));
+        pair_add(&both, (pair){c->mass[k] * x[0] * x[1], 0});
     }
-    return p;
+    return (products){.now = pair_total(&now), .both = pair_total(&both)};
 }
 
 /* T_(k+1) = T_k + V_(k+1), V_(k+1) = V_k - (4/Omega^2) M^-1 K T_k: this form of the recurrence keeps rounding errors
  * small. The first step is half a step, since T_(-1) = T_1. */
 static products advance(const chain *c, double factor) {
-    enum { WAYS = 4 }; /* independent sums, added in a fixed order */
-    pair now_now[WAYS] = {{0, 0}}, now_old[WAYS] = {{0, 0}};
-    double both[WAYS] = {0}, back[WAYS] = {0}, ahead[WAYS] = {0};
+    pair_sum now_now = {0}, now_old = {0}, both = {0};
     pair_memory *restrict u = (pair_memory *)c->u, *restrict v = (pair_memory *)c->v;
     pair_memory *restrict force = (pair_memory *)c->force;
     for (int64_t k = 0; k < c->dofs; k++) {
-        const int q = (int)(k % WAYS);
         const pair old = u[k], push = v[k] - (factor * c->step[k]) * force[k], now = old + push;
         const pair weighed = c->mass[k] * now;
         force[k] = (pair){0, 0};
         v[k] = push;
         u[k] = now;
-        now_now[q] += weighed * now;
-        now_old[q] += weighed * old;
-        both[q] += weighed[0] * now[1];
-        back[q] += old[0] * weighed[1];
-        ahead[q] += weighed[0] * old[1];
+        pair_add(&now_now, weighed * now);
+        pair_add(&now_old, weighed * old);
+        pair_add(&both, (pair){weighed[0] * now[1], old[0] * weighed[1] + weighed[0] * old[1]});
     }
-    return (products){(now_now[0] + now_now[1]) + (now_now[2] + now_now[3]),
-                      (now_old[0] + now_old[1]) + (now_old[2] + now_old[3]), (both[0] + both[1]) + (both[2] + both[3]),
-                      (back[0] + back[1]) + (back[2] + back[3]), (ahead[0] + ahead[1]) + (ahead[2] + ahead[3])};
+    return (products){pair_total(&now_now), pair_total(&now_old), pair_total(&both)};
 }
 
 /* T_m T_k = (T_(m+k) + T_|m-k|)/2 gives two moments per matrix product. */
@@ -84,7 +74,7 @@ static sp_status find_moments(const sp_network *net, const chain *c, moment_set 
     const products first = squares(c);
     m->xx[0] = first.now[0];
     m->yy[0] = first.now[1];
-    m->xy[0] = first.both;
+    m->xy[0] = first.both[0];
     m->reach = sqrt(first.now[0]) * sqrt(first.now[1]);
     products p = first;
     for (int64_t k = 0; 2 * k + 1 < m->n; k++) {
@@ -93,16 +83,16 @@ static sp_status find_moments(const sp_network *net, const chain *c, moment_set 
         if (k == 0) {
             m->xx[1] = p.old[0];
             m->yy[1] = p.old[1];
-            m->xy[1] = 0.5 * (p.back + p.ahead);
+            m->xy[1] = 0.5 * p.both[1];
         } else {
             m->xx[2 * k + 1] = 2 * p.old[0] - m->xx[1];
             m->yy[2 * k + 1] = 2 * p.old[1] - m->yy[1];
-            m->xy[2 * k + 1] = (p.back + p.ahead) - m->xy[1];
+            m->xy[2 * k + 1] = p.both[1] - m->xy[1];
         }
         if (2 * k + 2 < m->n) {
             m->xx[2 * k + 2] = 2 * p.now[0] - m->xx[0];
             m->yy[2 * k + 2] = 2 * p.now[1] - m->yy[0];
-            m->xy[2 * k + 2] = 2 * p.both - m->xy[0];
+            m->xy[2 * k + 2] = 2 * p.both[0] - m->xy[0];
         }
     }
     /* |T_k x| <= |x| if all frequencies are between 0 and Omega */
