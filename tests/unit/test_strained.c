@@ -135,7 +135,7 @@ TEST(test_space) {
     }
     printf("finite strain against springs: %.2g, at a tenth of it %.2g\n", off[0], off[1]);
     assert_true(off[0] < 1e-4 && off[1] < 0.2 * off[0]);
-    assert_true(m.error11 < 1e-4 * m.c11 && m.error44 < 1e-3 * m.c44 && m.residual < 1e-8);
+    assert_true(m.error11 < 1e-4 * m.c11 && m.error44 < 2e-3 * m.c44 && m.residual < 1e-8);
     sp_network_free(&net);
     sp_packing_free(&p);
 }

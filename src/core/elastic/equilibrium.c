@@ -177,9 +177,8 @@ static sp_status factorize_shifted(sp_equilibrium *e, sp_error *err) {
 
 void sp_equilibrium_apply(const sp_equilibrium *e, const double *b, double *x) { sp_ldl_solve_one(e->factor, b, x); }
 
-/* The spring that holds a spin is about as stiff as the others of the sphere, whose diagonal entries weigh the
- * components of the motion: push = D motion/sqrt(motion . D motion). weight: [width], D. Where prestress makes that
- * stiffness negative nothing is added, and the factorization finds the instability. */
+/* push = D motion/sqrt(motion . D motion); weight: [width], D. Where prestress makes that stiffness negative nothing is
+ * added, and the factorization finds the instability. */
 static void set_push(const double *weight, equilibrium_spin *spin) {
     double stiffness = 0;
     for (int a = 0; a < spin->width; a++) {
@@ -199,10 +198,13 @@ static void set_motion(const double at[3], const double axis[3], double motion[6
     }
 }
 
-/* The free rotation of grain i, whose columns begin at c and end before `end`. A fixed centre must be on the axis. */
+/* The free rotation of grain i, whose columns begin at c and end before `end`. A fixed centre must be on the axis. The
+ * spring that holds it is about as stiff as the others of the sphere. It resists the rotation about the axis alone: no
+ * other, so that the sphere does not spin as it rolls, and no translation, since nothing resists one of the whole in a
+ * periodic cell. */
 static bool set_spin(const sp_equilibrium *e, int32_t i, const sp_spin *of, int64_t c, int64_t end,
                      equilibrium_spin *out) {
-    double axis[3], motion[6], weight[6];
+    double axis[3], motion[6], weight[6] = {0}, stiffness = 0;
     if (!sp_spin_axis(of, axis))
         return false;
     set_motion(of->at[0], axis, motion);
@@ -212,8 +214,10 @@ static bool set_spin(const sp_equilibrium *e, int32_t i, const sp_spin *of, int6
         return false;
     *out = (equilibrium_spin){.column = whole ? c : end - 3, .width = whole ? 6 : 3};
     memcpy(out->motion, motion + 6 - out->width, (size_t)out->width * sizeof *motion);
-    for (int a = 0; a < out->width; a++)
-        weight[a] = *diagonal(&e->k, out->column + a);
+    for (int64_t d = end - 3; d < end; d++)
+        stiffness += *diagonal(&e->k, d) / 3;
+    for (int a = out->width - 3; a < out->width; a++)
+        weight[a] = stiffness;
     set_push(weight, out);
     return true;
 }

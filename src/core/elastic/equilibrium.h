@@ -77,9 +77,11 @@ sp_status sp_equilibrium_solve(sp_equilibrium *e, const double *f, double scale,
 sp_status sp_equilibrium_weights(sp_equilibrium *e, const double *f, double scale, double *w, sp_error *err);
 /* Residual vector f - K u, 0 where fixed; returns its norm. */
 double sp_equilibrium_residual(sp_equilibrium *e, const double *f, const double *u, double *rest);
-/* Sum over the spins that are held of |work| of the residual f - K^T u on a unit rotation: what an energy or a stress
- * that belongs to f changes if they turn. */
-double sp_equilibrium_spin_work(sp_equilibrium *e, const double *f, const double *u);
+/* Sum over the spins that are held of |work| of `rest` on a unit rotation, times the larger of `least` and how far the
+ * sphere moves in u. */
+double sp_equilibrium_spin_work(const sp_equilibrium *e, const double *rest, double least, const double *u);
+/* What an energy or a stress that belongs to f changes if those spins turn: that work of the residual f - K^T w. */
+double sp_equilibrium_spin_error(sp_equilibrium *e, const double *f, const double *w, double least, const double *u);
 /* SP_EREFUSED, for a residual that is too large: `what` with the grains that have most of the residual of f and u.
  * load: size of the load, to which the residual is compared. */
 sp_status sp_equilibrium_refuse(sp_equilibrium *e, const char *what, double load, const double *f, const double *u,

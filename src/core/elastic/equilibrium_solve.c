@@ -72,18 +72,22 @@ static double residual_of(sp_equilibrium *e, const double *f, const double *u, d
     return sp_norm(e->count, out);
 }
 
-double sp_equilibrium_spin_work(sp_equilibrium *e, const double *f, const double *u) {
-    double *rest = e->work + sp_network_dofs(e->net), sum = 0;
-    if (e->spins == 0)
-        return 0;
-    e->transposed = true;
-    sp_equilibrium_residual(e, f, u, rest);
-    e->transposed = false;
+double sp_equilibrium_spin_work(const sp_equilibrium *e, const double *rest, double least, const double *u) {
+    double sum = 0;
     for (int32_t s = 0; s < e->spins; s++) {
         const equilibrium_spin *spin = &e->spin[s];
-        sum += fabs(sp_dot(spin->width, spin->motion, rest + sp_equilibrium_dof(e, spin->column)));
+        const int64_t d = sp_equilibrium_dof(e, spin->column);
+        sum += fabs(sp_dot(spin->width, spin->motion, rest + d)) * fmax(least, sp_norm(spin->width, u + d));
     }
     return sum;
+}
+
+double sp_equilibrium_spin_error(sp_equilibrium *e, const double *f, const double *w, double least, const double *u) {
+    double *rest = e->work + sp_network_dofs(e->net);
+    e->transposed = true;
+    sp_equilibrium_residual(e, f, w, rest);
+    e->transposed = false;
+    return sp_equilibrium_spin_work(e, rest, least, u);
 }
 
 /* Size of the rounding errors in f - K u. */

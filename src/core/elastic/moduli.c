@@ -103,37 +103,46 @@ static void isotropic_part(const sp_network *net, const sp_stiffness *s, sp_elas
 
 /* Bounds the errors of stresses. The stress a computed from u_b has the error u_a . (K u_b - f_b) over the volume, plus
  * rounding, where u_a is the exact solution for strain a (of K^T if K is not symmetric). A factor 2 covers the second
- * order. solutions, stresses: of all strains, [strains][n]; work: [4][n]. */
-static void bound_errors(const sp_network *net, int strain, const double *solutions, const double *stresses,
+ * order. What the load does on spins is not balanced, and any force on these spheres may balance it. solutions,
+ * stresses: of all strains, [strains][n]; work: [4][n]. */
+static void bound_errors(const sp_equilibrium *e, int strain, const double *solutions, const double *stresses,
                          double *work, sp_stiffness *out) {
+    const sp_network *net = e->net;
     const int64_t n = sp_network_dofs(net);
-    double *f = work, *ku = work + n, *size = work + 2 * n, sum[STRAINS_3D];
+    double *rest = work, *ku = work + n, *size = work + 2 * n, sum[STRAINS_3D];
     const double *u = solutions + strain * n;
     const double noise = sp_strain_noise(net);
     sp_strain_rounding(net, strain, u, size, sum);
-    sp_strain_load(net, strain, f);
+    sp_strain_load(net, strain, rest);
     sp_network_apply(net, u, ku);
+    for (int64_t k = 0; k < n; k++)
+        rest[k] -= ku[k];
     for (int a = 0; a < sp_strain_count(net); a++) {
-        double off = 0;
+        double off = 0.5 * sp_equilibrium_spin_work(e, rest, 0, stresses + a * n);
         for (int64_t k = 0; k < n; k++)
-            off += fabs(stresses[a * n + k]) * (fabs(f[k] - ku[k]) + noise * size[k]);
-        out->error[a][strain] = (2 * off + noise * sum[a]) / sp_strain_volume(net) + out->spins[a];
+            off += fabs(stresses[a * n + k]) * (fabs(rest[k]) + noise * size[k]);
+        out->error[a][strain] += (2 * off + noise * sum[a]) / sp_strain_volume(net);
     }
 }
 
-/* Solves K^T u = (stress functional) for each stress, and bounds the effect of spins on the stresses. A sphere with two
+/* Solves K^T w = (stress functional) for each stress, and bounds the effect of spins on the stresses. A sphere with two
  * contacts spins about the line through them; the only stiffness is due to imbalance of its forces at rest. The
  * solution leaves its spin out, but the springs do not determine it, and the stress depends on it slightly: spin . (f -
- * K^T u). The error allows for a rotation of 1 per unit strain, typical of grains in contact. */
-static sp_status solve_transposed(sp_equilibrium *e, double *f, double *stresses, sp_stiffness *out, sp_error *err) {
+ * K^T w). The error allows for a rotation of 1 per unit strain, typical of grains in contact, or for as much as the
+ * sphere moves. solutions: of all strains, [strains][n]. */
+static sp_status solve_transposed(sp_equilibrium *e, double *f, const double *solutions, double *stresses,
+                                  sp_stiffness *out, sp_error *err) {
     const int64_t n = sp_network_dofs(e->net);
+    const int strains = sp_strain_count(e->net);
     sp_status status = SP_OK;
-    for (int a = 0; a < sp_strain_count(e->net) && status == SP_OK; a++) {
+    for (int a = 0; a < strains && status == SP_OK; a++) {
         if (!sp_strain_allowed(e->net, a, e->grips))
             continue;
+        double *w = stresses + a * n;
         const double scale = sp_strain_load_transposed(e->net, a, f);
-        status = sp_equilibrium_weights(e, f, scale, stresses + a * n, err);
-        out->spins[a] = sp_equilibrium_spin_work(e, f, stresses + a * n) / sp_strain_volume(e->net);
+        status = sp_equilibrium_weights(e, f, scale, w, err);
+        for (int b = 0; b < strains && status == SP_OK; b++)
+            out->error[a][b] = sp_equilibrium_spin_error(e, f, w, 1, solutions + b * n) / sp_strain_volume(e->net);
     }
     return status;
 }
@@ -163,13 +172,13 @@ static sp_status strain_all(sp_equilibrium *e, double *work, sp_stiffness *out, 
         sp_strain_stresses(net, a, u, out);
     }
     if (net->carried) {
-        sp_status status = solve_transposed(e, f, stresses, out, err);
+        sp_status status = solve_transposed(e, f, solutions, stresses, out, err);
         if (status != SP_OK)
             return status;
     }
     for (int a = 0; a < strains; a++)
         if (sp_strain_allowed(net, a, e->grips))
-            bound_errors(net, a, solutions, stresses, work, out);
+            bound_errors(e, a, solutions, stresses, work, out);
     for (int b = 0; b < STRAINS_3D; b++) {
         const bool defined = sp_strain_allowed(net, b, e->grips);
         for (int a = 0; a < STRAINS_3D; a++)

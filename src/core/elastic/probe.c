@@ -124,10 +124,10 @@ static sp_status solve_sine(sp_equilibrium *e, int n, const double *f, double *u
     return sp_equilibrium_refuse(e, what, load, f, u, err);
 }
 
-/* Twice the energy is f . u. Its error is w . (K u - f) to first order, plus rounding. *turning: its change if the
- * spins that are held turn by 1. work: [3][n]. */
-static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u, double *work, double *energy,
-                             double *error, double *turning, sp_error *err) {
+/* Twice the energy is f . u. Its error is w . (K u - f) to first order, plus rounding, and its change if the spins that
+ * are held turn. strain: of the wave, for unit energy. work: [3][n]. */
+static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u, double strain, double *work,
+                             double *energy, double *error, sp_error *err) {
     const int64_t n = sp_network_dofs(e->net);
     const double noise = sp_strain_noise(e->net);
     double *rest = work, *size = work + n, off = 0;
@@ -137,13 +137,13 @@ static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u
         status = sp_equilibrium_weights(e, f, sp_norm(n, f), work + 2 * n, err);
         w = work + 2 * n;
     }
-    *turning = sp_equilibrium_spin_work(e, f, w);
+    *energy = 0.5 * sp_dot(n, f, u);
+    *error = sp_equilibrium_spin_error(e, f, w, strain * *energy, u);
     sp_equilibrium_residual(e, f, u, rest);
     sp_strain_rounding(e->net, -1, u, size, NULL);
     for (int64_t k = 0; k < n; k++)
         off += fabs(w[k]) * (fabs(rest[k]) + noise * (size[k] + fabs(f[k])));
-    *energy = 0.5 * sp_dot(n, f, u);
-    *error = off;
+    *error += off;
     return status;
 }
 
@@ -165,7 +165,9 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
     const sp_network *net = e->net;
     const int64_t dofs = sp_network_dofs(net);
     const double height = net->box[net->dim - 1], most = 0.1;
-    double *f = work, *u = work + dofs, *floppy = work + 5 * dofs, energy, error, turning;
+    double *f = work, *u = work + dofs, *floppy = work + 5 * dofs, energy, error;
+    /* (B2): the strain is height/(n PI c) */
+    const double stiffness = sp_strain_area(net) * height * height * height / (4.0 * n * n * PI * PI);
     memset(floppy, 0, (size_t)dofs * sizeof *floppy);
     body_force(e, phi3s, n, axis, f);
     if (e->slips && axis != net->dim - 1)
@@ -179,7 +181,7 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
                        out->left_out, most);
     sp_status status = solve_sine(e, n, f, u, work + 2 * dofs, err);
     if (status == SP_OK)
-        status = sine_energy(e, f, u, work + 2 * dofs, &energy, &error, &turning, err);
+        status = sine_energy(e, f, u, height / (n * PI * stiffness), work + 2 * dofs, &energy, &error, err);
     if (status != SP_OK)
         return status;
     if (!(energy > 0))
@@ -188,9 +190,7 @@ static sp_status sine_along(sp_equilibrium *e, double phi3s, int n, int axis, do
                        2 * energy);
     error += 2 * fabs(sp_dot(dofs, u, floppy)); /* nonzero only for soft motions that are not quite floppy */
     find_concentration(net, f, u, energy, out);
-    /* (B2) */
-    const double c = sp_strain_area(net) * height * height * height / (4.0 * n * n * PI * PI * energy);
-    error += turning * height / (n * PI * c); /* times the strain: what is typical of grains in contact */
+    const double c = stiffness / energy;
     *(axis == net->dim - 1 ? &out->along : &out->shear) = c;
     *(axis == net->dim - 1 ? &out->error_along : &out->error_shear) = c * error / energy;
     return SP_OK;
@@ -287,8 +287,8 @@ static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *fixed, int
     status = find_line_weights(e, u, work + 5 * dofs, weight, err);
     if (status != SP_OK)
         return status;
-    /* a turn of the strain for each spin that is held */
-    off += sp_equilibrium_spin_work(e, work + 5 * dofs, weight) * (n + 1) / height;
+    /* each spin that is held may turn by the strain, which is typical of grains in contact */
+    off += sp_equilibrium_spin_error(e, work + 5 * dofs, weight, (n + 1) / height, u);
     sp_equilibrium_residual(e, f, u, rest);
     sp_strain_rounding(net, -1, u, size, NULL);
     for (int64_t c = 0; c < e->count; c++) {

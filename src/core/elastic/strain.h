@@ -16,8 +16,6 @@ typedef struct sp_stiffness {
     double wall[STRAINS_3D]; /* normal force on the top wall over its area for strain b; equals the row of C of the
                                 uniaxial strain from wall to wall; NAN without walls */
     double error[STRAINS_3D][STRAINS_3D]; /* bounds of the errors of c */
-    double spins[STRAINS_3D]; /* change of each stress for rotations of 1 of all spheres with two contacts; included in
-                                 `error` */
     double residual;          /* largest |K u - f|/|f| */
 } sp_stiffness;
 
