@@ -29,8 +29,9 @@ extern "C" {
  * of inertia in proportion to the square of the radius. Contacts with a stiffness of their own keep it, and under
  * prestress change their force by it.
  * PRESSURE: the pressure of the packing. The load on the walls (on the cell, where it is periodic) is changed, the
- * grains follow by the linear response of the springs, K and tangential springs included, and the change of their
- * positions and of the height (of the cell) changes the network as POSITION does. No contact slides, is made or lost.
+ * grains follow by the linear response of the springs, tangential springs and forces at rest included (whether or not
+ * the network has the latter), and the change of their positions and of the height (of the cell) changes the network as
+ * POSITION does. No contact slides, is made or lost.
  */
 typedef enum sp_parameter {
     SP_BY_KN = 1,

@@ -1,4 +1,5 @@
 /* Creates the network of a packing from its contacts. */
+#include "network/contacts.h"
 #include "base/base.h"
 #include "base/vector.h"
 #include "network/bound.h"
@@ -6,6 +7,7 @@
 
 #include <math.h>
 #include <sonopack/network.h>
+#include <string.h>
 
 static sp_status make_grains(const sp_packing *p, const uint8_t *rattler, int32_t *row, sp_network *net,
                              sp_error *err) {
@@ -69,10 +71,6 @@ static sp_status make_spring(const sp_packing *p, const sp_network_options *opt,
         s->n[a] = c->n[a];
     if (net->dof > net->dim && !(opt->sliding_free && slides(p, c)))
         s->kt = (c->kn > 0 ? c->kt : contact_eta(p->poisson) * kn) * slip_factor(p, opt, c);
-    if (opt->prestress && !wall && net->dim > 1) {
-        s->kp = -c->fn / length;
-        net->prestress = true;
-    }
     return SP_OK;
 }
 
@@ -119,6 +117,38 @@ static sp_status make_carried(const sp_packing *p, sp_network *net, sp_error *er
     }
     net->prestress = net->prestress || any;
     return SP_OK;
+}
+
+/* The forces at rest of a network without any. */
+static sp_status make_forces(const sp_packing *p, sp_network *net, sp_error *err) {
+    for (int32_t k = 0; k < net->n_bulk && net->dim > 1; k++) {
+        net->springs[k].kp = -p->contacts[net->springs[k].contact].fn / net->length[k];
+        net->prestress = true;
+    }
+    return net->dof > net->dim ? make_carried(p, net, err) : SP_OK;
+}
+
+sp_status sp_network_prestress(const sp_packing *p, const sp_network *net, sp_network *out, sp_error *err) {
+    const size_t springs = (size_t)net->n_springs * sizeof *net->springs;
+    sp_network loaded = *net;
+    loaded.springs = sp_alloc((size_t)net->n_springs, sizeof *loaded.springs);
+    if (!loaded.springs)
+        return sp_fail_memory(err, springs);
+    memcpy(loaded.springs, net->springs, springs);
+    sp_status status = make_forces(p, &loaded, err);
+    if (status == SP_OK)
+        status = sp_network_find_bounds(&loaded, err);
+    if (status == SP_OK)
+        *out = loaded;
+    else
+        sp_network_release_prestress(&loaded);
+    return status;
+}
+
+void sp_network_release_prestress(sp_network *net) {
+    sp_free(net->springs);
+    sp_free(net->carried);
+    *net = sp_network_none();
 }
 
 static int degrees_of_freedom(const sp_packing *p) {
@@ -175,8 +205,8 @@ sp_status sp_network_make(const sp_packing *p, const sp_network_options *opt, sp
     status = make_grains(p, rattler, row, &net, err);
     if (status == SP_OK)
         status = make_springs(p, opt, carrying, row, &net, err);
-    if (status == SP_OK && opt->prestress && net.dof > net.dim)
-        status = make_carried(p, &net, err);
+    if (status == SP_OK && opt->prestress)
+        status = make_forces(p, &net, err);
     if (status == SP_OK)
         status = sp_network_find_bounds(&net, err);
 out:

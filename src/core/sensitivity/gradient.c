@@ -4,6 +4,7 @@
 #include "base/vector.h"
 #include "elastic/equilibrium.h"
 #include "elastic/strain.h"
+#include "network/contacts.h"
 #include "network/network_cell.h"
 #include "packing/contact.h"
 #include "sensitivity/products.h"
@@ -149,7 +150,7 @@ static sp_status set_radii(const sp_products *p, const sp_packing *packing, sp_p
 
 /* ---- the linear response to a change of pressure ----------------------------------------------------------------- */
 
-/* The linear response of the network to its pressure. */
+/* The linear response of the packing to its pressure. */
 typedef struct compression {
     double *separation; /* [springs][3] change of the separations */
     double volume;      /* change of ln V */
@@ -209,7 +210,7 @@ static void set_change(const sp_network *net, const double *u, double modulus, d
     }
 }
 
-static sp_status compress(const sp_network *net, compression *out, sp_error *err) {
+static sp_status respond_to_pressure(const sp_network *net, compression *out, sp_error *err) {
     const size_t n = (size_t)sp_network_dofs(net);
     sp_equilibrium e = sp_equilibrium_none();
     double *work = sp_alloc(3 * n, sizeof *work), *change = sp_alloc((size_t)net->n_springs, 3 * sizeof *change),
@@ -230,6 +231,18 @@ static sp_status compress(const sp_network *net, compression *out, sp_error *err
     }
     sp_free(work);
     sp_equilibrium_free(&e);
+    return status;
+}
+
+/* The packing moves with its forces at rest, also where the network of the quantity leaves them out. */
+static sp_status compress(const sp_network *net, const sp_packing *packing, compression *out, sp_error *err) {
+    sp_network loaded = sp_network_none();
+    if (net->prestress)
+        return respond_to_pressure(net, out, err);
+    sp_status status = sp_network_prestress(packing, net, &loaded, err);
+    if (status == SP_OK)
+        status = respond_to_pressure(&loaded, out, err);
+    sp_network_release_prestress(&loaded);
     return status;
 }
 
@@ -322,14 +335,14 @@ static sp_status set_positions(const sp_products *p, const double *separation, c
     return status;
 }
 
-static sp_status set_pressure(const sp_products *p, const double *separation, const double *error, sp_gradient *g,
-                              sp_error *err) {
+static sp_status set_pressure(const sp_products *p, const sp_packing *packing, const double *separation,
+                              const double *error, sp_gradient *g, sp_error *err) {
     const int64_t n = 3 * (int64_t)p->net->n_springs;
     compression r = {0};
     double size = 0;
     sp_status status = partials_make(1, &g->pressure, err);
     if (status == SP_OK)
-        status = compress(p->net, &r, err);
+        status = compress(p->net, packing, &r, err);
     for (int64_t k = 0; k < n && status == SP_OK; k++) {
         g->pressure.d[0] += separation[k] * r.separation[k];
         g->pressure.error[0] += error[k / 3] * fabs(r.separation[k]);
@@ -352,7 +365,7 @@ static sp_status set_geometry(const sp_products *p, unsigned parameters, const s
     if (status == SP_OK && separation && (parameters & SP_BY_POSITION))
         status = set_positions(p, separation, error, g, err);
     if (status == SP_OK && separation && (parameters & SP_BY_PRESSURE))
-        status = set_pressure(p, separation, error, g, err);
+        status = set_pressure(p, packing, separation, error, g, err);
     if (status == SP_OK && (parameters & SP_BY_RADIUS))
         status = set_radii(p, packing, &g->radius, err);
     sp_free(separation);
