@@ -4,9 +4,9 @@
 
 #include <sonopack/visibility.h>
 
-#define SONOPACK_VERSION "0.8.2"
+#define SONOPACK_VERSION "0.8.3"
 /* Increased whenever the same scene and seed would give other numbers; part of a sample's name. */
-#define SONOPACK_ALGORITHM 7
+#define SONOPACK_ALGORITHM 8
 
 #ifdef __cplusplus
 extern "C" {
