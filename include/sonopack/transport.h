@@ -118,11 +118,15 @@ typedef struct sp_kubo_options {
 } sp_kubo_options;
 SP_API sp_kubo_options sp_kubo_options_default(void);
 
+/* What D is off for a delta that is not narrow, over d_shift: 2 where the difference is as the width, 4/3 where it is
+ * as its square. */
+#define SP_KUBO_SHIFTS 2
 /* Diffusivity of energy from the modes of a band of frequencies. */
 typedef struct sp_kubo {
     double omega;   /* frequency of the band [sqrt(E* / rho)/d] */
     double d;       /* diffusivity [d sqrt(E* / rho)] */
-    double d_err;   /* standard error over the modes of the band (jackknife with 8 groups) [d sqrt(E* / rho)] */
+    double d_err;   /* standard error over the modes of the band (jackknife with 8 groups), and in quadrature
+                       SP_KUBO_SHIFTS times d_shift [d sqrt(E* / rho)] */
     double d_shift; /* its change if delta is half as wide: near 0 if the choice does not matter, near d for waves that
                        are not scattered, negative for localised ones */
     double speed;   /* at which energy moves before it is scattered: root of the mean squared current over the energy,

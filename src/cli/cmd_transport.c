@@ -26,7 +26,7 @@ static const char *const axis_names[] = {"up", "x", "y", NULL};
 typedef struct mean {
     bool few;
     int64_t n;
-    double sum, squares, own;
+    double sum, squares, own, shared;
 } mean;
 
 typedef struct arguments {
@@ -97,7 +97,8 @@ const cli_syntax cmd_transport_syntax = {
         "\n"
         "kubo: D from the matrix elements of the energy's current between all eigenmodes, speed: at which energy "
         "moves before it is scattered, path = dimension D/speed, the transport mean free path. shift: change of D if "
-        "the delta function is half as wide. Needs an axis without walls.\n"
+        "the delta function is half as wide; the errors of D and path hold twice that in quadrature. Needs an axis "
+        "without walls.\n"
         "\n"
         "coherent: k and alpha of the wave as in `wave', path = 1/(2 alpha), the scattering mean free path, and "
         "k_path = k path. The comment ioffe_regel is the lowest frequency at which k_path falls to pi, where the mean "
@@ -135,6 +136,9 @@ static void add(mean *m, double value, double error) {
     m->own = error;
 }
 
+/* An error that all packings share: that of the method, not of the sample. */
+static void add_shared(mean *m, double error) { m->shared += isnan(error) ? 0 : error; }
+
 static double value_of(const mean *m) { return m->n > 0 && !m->few ? m->sum / (double)m->n : NAN; }
 
 static double error_of(const mean *m) {
@@ -143,7 +147,7 @@ static double error_of(const mean *m) {
         return NAN;
     if (m->n == 1)
         return m->own;
-    return m->n > 1 ? sqrt(fmax(0, m->squares - m->sum * m->sum / n) / (n - 1) / n) : NAN;
+    return m->n > 1 ? hypot(sqrt(fmax(0, m->squares - m->sum * m->sum / n) / (n - 1) / n), m->shared / n) : NAN;
 }
 
 /* ---- one packing ------------------------------------------------------------------------------------------------- */
@@ -187,6 +191,8 @@ static void add_kubo(const arguments *a, const sp_kubo *k, mean *m) {
     add(&m[1], k->d_shift, NAN);
     add(&m[2], k->speed, k->speed_err);
     add(&m[3], path, path * hypot(k->d_err / k->d, k->speed_err / k->speed));
+    add_shared(&m[0], SP_KUBO_SHIFTS * k->d_shift);
+    add_shared(&m[3], SP_KUBO_SHIFTS * k->d_shift * path / k->d);
 }
 
 static sp_status measure_kubo(const arguments *a, const sp_network *net, sp_error *err) {

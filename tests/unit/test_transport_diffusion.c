@@ -77,6 +77,33 @@ TEST(test_lattice) {
     }
 }
 
+/* Masses that differ a little scatter little: a wide delta cuts the motion off before it is scattered, and the error of
+ * D says how much is missing. */
+TEST(test_shift) {
+    FREED(sp_packing) p = cells_triangular(24, 24, 0.01, 0);
+    FREED(sp_network) net = network_of(&p, false);
+    unsigned random = 1;
+    for (int32_t i = 0; i < net.n; i++) {
+        const double factor = (random = 1664525 * random + 1013904223) >> 31 ? 1.35 : 0.65;
+        for (int a = 0; a < net.dof; a++)
+            net.mass[i * net.dof + a] *= factor;
+    }
+    FREED(sp_modes) modes = modes_of(&net);
+    for (int part = 4; part < 7; part++) {
+        const double omega = 0.1 * part * modes.omega[modes.n - 1];
+        sp_kubo_options o = sp_kubo_options_default();
+        sp_kubo wide, narrow;
+        o.smear = part == 4 ? 0.05 : 0.1;
+        assert_ok(sp_kubo_make(&net, &modes, 1, &omega, &o, &wide, &err));
+        o.smear *= 0.25;
+        assert_ok(sp_kubo_make(&net, &modes, 1, &omega, &o, &narrow, &err));
+        const double off = fabs(wide.d - narrow.d), shift = SP_KUBO_SHIFTS * wide.d_shift;
+        assert_true(off < wide.d_err && wide.d_err < 0.5 * wide.d);
+        assert_true(sqrt(wide.d_err * wide.d_err - shift * shift) <
+                    0.5 * off); /* what the modes scatter is not enough */
+    }
+}
+
 TEST(test_bad_input) {
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     sp_network net = network_of(&p, false), turning = network_of(&p, true);

@@ -227,7 +227,7 @@ static sp_status add_axis(const sp_network *net, const sp_modes *modes, int32_t 
 static void finish(const sp_network *net, int axes, sp_kubo *out) {
     out->d /= axes;
     out->d_shift /= axes;
-    out->d_err /= axes;
+    out->d_err = hypot(out->d_err / axes, SP_KUBO_SHIFTS * out->d_shift);
     out->speed = sqrt(net->dim * out->speed / axes);
     out->speed_err *= 0.5 * net->dim / axes / out->speed;
     if (!(fabs(out->d_shift) <= SHIFT_MOST * out->d))
