@@ -75,7 +75,10 @@ const cli_syntax cmd_coda_syntax = {
         "must be that of the measurement, and tables of measured signals have one column for each pair of a source "
         "and a detector, detectors running fastest.\n"
         "\n"
-        "stretch: relative change of speed that stretches the first signal to that after the change, by least "
+        "fits = no: the best grain explains less than 3/4 of the squared change beyond the noise that --noise tells. "
+        "Then something else has changed (one contact, masses, several grains, or one by much), and probabilities "
+        "mean nothing. stretch: relative change of speed that stretches the first signal to that after the change, by "
+        "least "
         "squares.\n"
         "\n"
         "With --grain a change is computed and sought, with noise of the given level in both signals. With --trials "
@@ -276,6 +279,15 @@ static sp_status search_trials(const arguments *a, const cli_file *file, const s
     return status == SP_OK ? w->status : status;
 }
 
+/* Whether the best grain explains at least three quarters of what is not noise in the squared change of the signals. */
+static bool fits(const signals *s, const sp_coda_candidate *best) {
+    const int64_t values = (int64_t)s->pairs * s->times;
+    double square = 0;
+    for (int64_t k = 0; k < values; k++)
+        square += s->change[k] * s->change[k];
+    return (1 - best->misfit) * square >= 0.75 * (square - s->noise * s->noise * (double)values);
+}
+
 static sp_status search_one(const arguments *a, const cli_file *file, const sp_coda *c, const sp_coda_options *o,
                             signals *s, sp_coda_candidate *found, cli_writer *w) {
     sp_random random = sp_random_make((uint64_t)a->seed, SP_STREAM_TRIALS);
@@ -289,6 +301,7 @@ static sp_status search_one(const arguments *a, const cli_file *file, const sp_c
     sp_coda_stretch(s->times, s->t, s->before, s->change, &stretch, &error);
     cli_value(w, "stretch", stretch); /* of the first signal */
     cli_value(w, "stretch_err", error);
+    cli_comment(w, "fits = %s", fits(s, &found[0]) ? "yes" : "no");
     if (a->grain >= 0) {
         cli_value(w, "change", a->change);
         cli_comment(w, "grain = %lld", (long long)a->grain);

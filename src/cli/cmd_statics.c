@@ -9,6 +9,8 @@ typedef struct arguments {
 
 static const cli_option options[] = {{"margin", "D", "Leave out layers of this thickness at all walls [d] (3)",
                                       CLI_NUMBER, CLI_FIELD(margin), .high = 1e6, .unit = "d"},
+                                     {"threshold", "F", "Use only contacts with a normal force above F p d^2 (1e-4)",
+                                      CLI_NUMBER, .scene = true, .key = "network.threshold"},
                                      {0}};
 
 const cli_syntax cmd_statics_syntax = {
@@ -22,8 +24,7 @@ const cli_syntax cmd_statics_syntax = {
         "packing, walls included; tables whose first packing is periodic or a box have the tensor.\n"
         "\n"
         "nan means that the packing is too low to have a bulk (see --margin), or that the quantity is not defined "
-        "(s32_over_s2 in two dimensions, mobilised without friction). --set network.threshold=T sets the smallest "
-        "force of a contact.",
+        "(s32_over_s2 in two dimensions, mobilised without friction).",
     CLI_PACKINGS,
     .options = options};
 

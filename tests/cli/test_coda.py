@@ -17,7 +17,11 @@ def one():
     found = table("coda", N200, "--grain=78", "--change=0.01", "--noise=0.001", "--rows=5")
     assert len(found) == 5 and found["grain"][0] == 78 and found["probability"][0] > 0.99
     assert abs(found["change"][0] / 0.01 - 1) < 0.1 and found.note("distance") == 0
-    assert found["misfit"][0] < found["misfit"][1]
+    assert found["misfit"][0] < found["misfit"][1] and found.notes["fits"] == "yes"
+    # noise that is known contradicts nothing; a change by much, which kernels do not know, does
+    assert table("coda", N200, "--grain=78", "--change=0.01", "--noise=0.1").notes["fits"] == "yes"
+    for change in (1, 3, -0.9):
+        assert table("coda", N200, "--grain=78", f"--change={change}").notes["fits"] == "no"
 
 
 def trials():
