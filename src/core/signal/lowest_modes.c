@@ -88,10 +88,29 @@ static void remove_modes(const sum *q, double *rest, double *c) {
     }
 }
 
+/* No frequency that is left out is below this. Where all are known, those beyond the last of the sum are not kept. */
+static double lowest_omitted(const sum *q) {
+    return isfinite(q->m.certified_to) ? q->m.certified_to : q->omega[q->modes - 1];
+}
+
+/* Upper bound of r . B^-1 r with B = A + depth, from x, which nearly solves B x = r: with what is left, l = r - B x, it
+ * is x . (r + l) + l . B^-1 l, and B^-1 is at most 1/depth. work: [2][dofs]. */
+static double inverse_square(const sum *q, const double *r, const double *x, double *work) {
+    const int64_t n = q->m.dofs;
+    double *bx = work + n, product = 0, left = 0;
+    sp_mode_residual(q->job->net, x, -q->depth, work, bx);
+    for (int64_t i = 0; i < n; i++) {
+        const double l = r[i] - bx[i];
+        product += x[i] * (r[i] + l);
+        left += l * l;
+    }
+    return fmax(product, 0) + left / q->depth;
+}
+
 /* Norms of up to eight vectors, as many as a solve takes. places: [count][dofs], momenta or displacements of sources,
- * or detectors. */
-static void project(sum *q, const double *places, bool source, int count, projection *out, double *rest,
-                    double *solved) {
+ * or detectors. work: [2][dofs]. */
+static void project(sum *q, const double *places, bool source, int count, projection *out, double *rest, double *solved,
+                    double *work) {
     const sp_network *net = q->job->net;
     const int64_t n = q->m.dofs;
     const bool moved = source && !job_has_momenta(q->job);
@@ -113,9 +132,8 @@ static void project(sum *q, const double *places, bool source, int count, projec
     }
     sp_ldl_solve(q->z.ldl, rest, solved);
     /* a'^T (A + s)^-1 a' is smaller than a'^T A^-1 a' by at most s over the lowest omitted eigenvalue; the second
-     * factor is for the error of the solve */
-    const double cut = fmin(q->m.certified_to, sp_network_omega_bound(net));
-    const double short_of = (1 + q->depth / (cut * cut)) * (1 + 1e-6);
+     * factor is for the error of the product */
+    const double cut = lowest_omitted(q), short_of = (1 + q->depth / (cut * cut)) * (1 + 1e-6);
     for (int p = 0; p < count; p++) {
         const double *r = rest + p * n, *x = solved + p * n;
         double whole = 0;
@@ -125,7 +143,7 @@ static void project(sum *q, const double *places, bool source, int count, projec
             out[p].residuals += q->residual[k] * fabs(out[p].c[k]) * residual_weight(q, k);
         }
         out[p].rest = sp_norm(n, r);
-        out[p].rest_inverse = sqrt(fmax(sp_dot(n, r, x), 0) * short_of);
+        out[p].rest_inverse = out[p].rest > 0 ? sqrt(inverse_square(q, r, x, work) * short_of) : 0;
         out[p].rest_energy = out[p].rest * sp_network_omega_bound(net);
         out[p].inverse = sqrt(whole + out[p].rest_inverse * out[p].rest_inverse);
     }
@@ -133,11 +151,11 @@ static void project(sum *q, const double *places, bool source, int count, projec
 
 static sp_status project_all(sum *q, const double *places, bool source, int32_t count, projection *out, sp_error *err) {
     const int64_t n = q->m.dofs;
-    double *rest = sp_alloc(LANES, (size_t)n * sizeof *rest), *solved = sp_alloc(LANES, (size_t)n * sizeof *solved);
-    sp_status status = rest && solved ? SP_OK : sp_fail_memory(err, 2 * LANES * (size_t)n * sizeof *rest);
+    enum { VECTORS = 2 * LANES + 2 };
+    double *rest = sp_alloc(VECTORS, (size_t)n * sizeof *rest), *solved = rest + LANES * n, *work = solved + LANES * n;
+    sp_status status = rest ? SP_OK : sp_fail_memory(err, VECTORS * (size_t)n * sizeof *rest);
     for (int32_t p = 0; p < count && status == SP_OK; p += LANES)
-        project(q, places + p * n, source, count - p < LANES ? count - p : LANES, out + p, rest, solved);
-    sp_free(solved);
+        project(q, places + p * n, source, count - p < LANES ? count - p : LANES, out + p, rest, solved, work);
     sp_free(rest);
     return status;
 }
@@ -193,7 +211,7 @@ static sp_status prepare(sum *q, int64_t modes, sp_error *err) {
     if (status == SP_OK)
         status = sp_slicer_make(job->net, false, &q->z, err);
     if (status == SP_OK)
-        status = sp_slicer_bottom(&q->z, 1e-3 * sp_slicer_guess(&q->z, (double)modes), &bottom, err);
+        status = sp_slicer_bottom(&q->z, 1e-3 * lowest_omitted(q) * lowest_omitted(q), &bottom, err);
     if (status != SP_OK)
         return status;
     q->depth = -bottom.sigma;
