@@ -282,14 +282,6 @@ static double own_step(const protocol *own, const sp_pack_spec *s) {
 /* A lag makes other packings of disks that differ by 0.1%: s1/s2 of a lattice at 1e-4 is 0.786, without it 0.907. */
 static double own_lag(const protocol *own, const sp_pack_spec *s) { return may_order(s) ? 0 : own->lag; }
 
-/* A lag damps fast oscillations less, in which contacts of spheres that slid lose hold of their limit. With 1.5 times
- * the damping as many stay there as without a lag: in periodic cells at 1e-4, mu 0.3, 0.176(7) and 0.187(6), else
- * 0.141(7). Disks at the same: 0.054(5) as it is, 0.064(3) with more, 0.051(2) without a lag. */
-static double own_calm_damping(const protocol *own, const sp_pack_spec *s) {
-    const bool more = own == &protocols[SP_PROTOCOL_DEFAULT] && s->dim == 3 && s->friction > 0 && s->lag > 0;
-    return (more ? 1.5 : 1) * own->calm_damping;
-}
-
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     sp_pack_spec s = *given;
     sp_sizes_limits(given, &s.diameter_min, &s.diameter_max);
@@ -316,7 +308,7 @@ sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     if (s.drag < 0)
         s.drag = own->drag;
     if (s.calm_damping == 0)
-        s.calm_damping = own_calm_damping(own, &s);
+        s.calm_damping = own->calm_damping;
     if (s.viscous_limit == 0)
         s.viscous_limit = own->viscous_limit;
     return s;

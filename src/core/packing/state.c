@@ -159,6 +159,7 @@ static void visit_run(stream *s, compression *run) {
     visit(s, &run->stall_step, sizeof run->stall_step);
     visit(s, &run->stage, sizeof run->stage);
     visit(s, &d->sparing, sizeof d->sparing);
+    visit(s, &d->lag, sizeof d->lag);
     visit(s, &run->lateral_free, sizeof run->lateral_free);
     visit(s, &phase, sizeof phase);
     visit(s, &rest_checks, sizeof rest_checks);
