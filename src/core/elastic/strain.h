@@ -16,7 +16,7 @@ typedef struct sp_stiffness {
     double wall[STRAINS_3D]; /* normal force on the top wall over its area for strain b; equals the row of C of the
                                 uniaxial strain from wall to wall; NAN without walls */
     double error[STRAINS_3D][STRAINS_3D]; /* bounds of the errors of c */
-    double residual;          /* largest |K u - f|/|f| */
+    double residual;                      /* largest |K u - f|/|f| */
 } sp_stiffness;
 
 sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *err);
