@@ -220,7 +220,7 @@ static void start_equilibration(compression *run) {
  * by the balance of drag and a tiny force, and they would need 1e7 steps to reach the next contact. If the residual has
  * not halved for STALL_STEPS, the drag is reduced for as long, each time further. */
 static void ease_drag(compression *run) {
-    const int64_t patience = run->spec->lag > 0 ? LONG_STALL_STEPS : STALL_STEPS;
+    const int64_t patience = run->d.lag > 0 ? LONG_STALL_STEPS : STALL_STEPS;
     if (run->phase != PHASE_EQUILIBRATION || run->steps - run->stall_step < patience)
         return;
     const bool stalled = run->residual > 0.5 * run->stall_residual, full = run->d.drag == run->full_drag;
