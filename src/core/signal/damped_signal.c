@@ -298,9 +298,9 @@ static void find_errors(const damped *d, sp_signal *out, int32_t source) {
             two += dashpot_rows[k] * dashpot_rows[k] / mass[k];
         }
         const double largest = sp_largest(out->n, f);
-        /* what a component takes from larger neighbours, in each term; among many components this is rare */
+        /* what a component takes from larger neighbours, with their phase; among many components this is rare */
         const bool few = n <= SIGNAL_FEW_DOFS;
-        const double least = few ? sqrt((double)d->terms) * DBL_EPSILON * sp_job_scale(d->job, source, b) : 0;
+        const double least = few ? (1 + 0.5 * d->omega * until) * DBL_EPSILON * sp_job_scale(d->job, source, b) : 0;
         out->errors[source * out->detectors + b] =
             least + sqrt(one) * (d->error_u + until * d->error_energy) + sqrt(two) * d->error_energy +
             DBL_EPSILON * (MOMENT_ROUNDING * sqrt(d->square[b]) +
