@@ -21,7 +21,8 @@ const cli_syntax cmd_statics_syntax = {
 #include <sonopack/quantities.inc>
 #undef STATICS
         "s12_over_s2 is positive where the grains below push those above towards +x. Stresses are those of the whole "
-        "packing, walls included; tables whose first packing is periodic or a box have the tensor.\n"
+        "packing, walls included, by contacts above the threshold; tables whose first packing is periodic or a box "
+        "have the tensor.\n"
         "\n"
         "nan means that the packing is too low to have a bulk (see --margin), or that the quantity is not defined "
         "(s32_over_s2 in two dimensions, mobilised without friction).",

@@ -10,7 +10,7 @@ static const double lowest = 6, usual = 12; /* heights [d] */
 void cli_warn_low_box(const cli_common *common, const sp_pack_spec *spec) {
     const sp_machine machine = sp_machine_reference();
     const double height = sp_packing_expect(spec, 1, &machine).height;
-    if (spec->kind != SP_PACK_PISTON || spec->dim < 2 || height >= lowest)
+    if (spec->kind != SP_PACK_PISTON || spec->cell == SP_CELL_PERIODIC || spec->dim < 2 || height >= lowest)
         return;
     const double depth = spec->depth > 0 ? spec->depth : spec->width, area = spec->width * (spec->dim == 3 ? depth : 1);
     const double narrow = spec->dim == 3 ? sqrt(area * height / usual) : area * height / usual;

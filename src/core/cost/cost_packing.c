@@ -74,13 +74,15 @@ static const steps_law laws[] = {
 #undef STEPS
 };
 
-/* The row of a compression, which is complete: there is one for each dimension, cell and protocol. */
+/* The row of a compression, which is complete: there is one for each dimension, cell and protocol. The default without
+ * a lag, of nearly equal disks, is somfai2005. */
 static const steps_law *law_of(const sp_pack_spec *s) {
+    const bool lagless = s->protocol == SP_PROTOCOL_DEFAULT && s->lag == 0;
+    const sp_protocol protocol = lagless ? SP_PROTOCOL_SOMFAI2005 : s->protocol;
     const grains_kind grains = s->friction > 0 ? ROUGH : SMOOTH;
     const int dim = s->dim == 3 ? 3 : 2;
     for (size_t k = 0; k < sizeof laws / sizeof *laws; k++)
-        if (laws[k].dim == dim && laws[k].cell == s->cell && laws[k].protocol == s->protocol &&
-            laws[k].grains == grains)
+        if (laws[k].dim == dim && laws[k].cell == s->cell && laws[k].protocol == protocol && laws[k].grains == grains)
             return &laws[k];
     return &laws[0];
 }

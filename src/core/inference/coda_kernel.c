@@ -166,6 +166,8 @@ static sp_status check_grain(const sp_network *net, int32_t grain, double change
             return change > -1 && change <= 10
                        ? SP_OK
                        : sp_fail(err, SP_EINVAL, "a change of %g: must be above -1, and 10 at most", change);
+    if (grain >= net->n_all)
+        return sp_fail(err, SP_EINVAL, "grain %d: must be among 0 .. %d", grain, net->n_all - 1);
     return sp_fail(err, SP_EINVAL, "grain %d carries no force: nothing changes with its contacts", grain);
 }
 
