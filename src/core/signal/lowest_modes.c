@@ -88,9 +88,10 @@ static void remove_modes(const sum *q, double *rest, double *c) {
     }
 }
 
-/* No frequency that is left out is below this. Where all are known, those beyond the last of the sum are not kept. */
+/* No frequency that is left out is below this, but zeros. Where all are known, those beyond the sum are not kept. */
 static double lowest_omitted(const sum *q) {
-    return isfinite(q->m.certified_to) ? q->m.certified_to : q->omega[q->modes - 1];
+    const double last = fmax(q->omega[q->modes - 1], sqrt(sp_zero_limit(q->job->net)));
+    return isfinite(q->m.certified_to) ? q->m.certified_to : last;
 }
 
 /* Upper bound of r . B^-1 r with B = A + depth, from x, which nearly solves B x = r: with what is left, l = r - B x, it
