@@ -16,10 +16,9 @@ BUILDS = {"-O0": ["-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_C_FLAGS_DEBUG=-O0"],
 
 
 def build(folder, options):
-    subprocess.run(["cmake", "-S", SOURCE, "-B", folder, "-DSONOPACK_TESTS=OFF", *options], check=True,
-                   capture_output=True)
-    done = subprocess.run(["cmake", "--build", folder, "-j2", "--target", "sonopack_command"], capture_output=True,
-                          text=True)
+    given = ["-DSONOPACK_TESTS=OFF", "-DSONOPACK_PYTHON=ON", *options]
+    subprocess.run(["cmake", "-S", SOURCE, "-B", folder, *given], check=True, capture_output=True)
+    done = subprocess.run(["cmake", "--build", folder, "-j2"], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout[-3000:]
     return folder / "sonopack"
 
