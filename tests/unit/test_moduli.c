@@ -1,4 +1,5 @@
 #include "base/base.h"
+#include "dense.h"
 #include "elastic/strain.h"
 #include "linalg/eigen.h"
 #include "reference.h"
@@ -92,19 +93,6 @@ TEST(test_pivots) {
 }
 
 /* ---- against dense matrices ------------------------------------------------------------------------------------- */
-
-/* All entries of K, by columns. */
-static double *dense_of(const sp_network *net) {
-    const int64_t n = sp_network_dofs(net);
-    sp_sparse k = {0};
-    double *a = calloc((size_t)(n * n), sizeof *a);
-    assert_ok(sp_network_assemble_whole(net, &k, &err));
-    for (int64_t c = 0; c < n; c++)
-        for (int64_t q = k.p[c]; q < k.p[c + 1]; q++)
-            a[c * n + k.i[q]] = k.x[q];
-    sp_sparse_free(&k);
-    return a;
-}
 
 /* x = A^-1 x by elimination with row exchanges; overwrites a. */
 static void eliminate(int64_t n, double *a, double *x) {

@@ -1,23 +1,12 @@
 /* Moduli with prestress of compressed packings, in every cell and dimension, with and without friction, against dense
  * solutions: what nothing resists is no part of them. */
 #include "base/vector.h"
+#include "dense.h"
 #include "elastic/strain.h"
 #include "linalg/eigen.h"
 #include "making.h"
 
 #include <sonopack/elastic.h>
-
-static double *dense_of(const sp_network *net) {
-    const int64_t n = sp_network_dofs(net);
-    sp_sparse k = {0};
-    double *a = calloc((size_t)(n * n), sizeof *a);
-    assert_ok(sp_network_assemble_whole(net, &k, &err));
-    for (int64_t c = 0; c < n; c++)
-        for (int64_t q = k.p[c]; q < k.p[c + 1]; q++)
-            a[c * n + k.i[q]] = k.x[q];
-    sp_sparse_free(&k);
-    return a;
-}
 
 /* The least vectors with the least residuals: from the eigenvectors v of A^T A that have a length. */
 typedef struct inverse {

@@ -80,8 +80,9 @@ double sp_equilibrium_residual(sp_equilibrium *e, const double *f, const double 
 /* Sum over the spins that are held of |work| of `rest` on a unit rotation, times the larger of `least` and how far the
  * sphere moves in u. */
 double sp_equilibrium_spin_work(const sp_equilibrium *e, const double *rest, double least, const double *u);
-/* What an energy or a stress that belongs to f changes if those spins turn: that work of the residual f - K^T w. */
-double sp_equilibrium_spin_error(sp_equilibrium *e, const double *f, const double *w, double least, const double *u);
+/* The residual f - K^T w, whose work that is for an energy or a stress that belongs to f; NULL if no spins are held.
+ * Scratch, until the next solve. */
+const double *sp_equilibrium_spin_rest(sp_equilibrium *e, const double *f, const double *w);
 /* SP_EREFUSED, for a residual that is too large: `what` with the grains that have most of the residual of f and u.
  * load: size of the load, to which the residual is compared. */
 sp_status sp_equilibrium_refuse(sp_equilibrium *e, const char *what, double load, const double *f, const double *u,

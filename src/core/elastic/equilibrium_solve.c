@@ -82,12 +82,14 @@ double sp_equilibrium_spin_work(const sp_equilibrium *e, const double *rest, dou
     return sum;
 }
 
-double sp_equilibrium_spin_error(sp_equilibrium *e, const double *f, const double *w, double least, const double *u) {
+const double *sp_equilibrium_spin_rest(sp_equilibrium *e, const double *f, const double *w) {
     double *rest = e->work + sp_network_dofs(e->net);
+    if (e->spins == 0)
+        return NULL;
     e->transposed = true;
     sp_equilibrium_residual(e, f, w, rest);
     e->transposed = false;
-    return sp_equilibrium_spin_work(e, rest, least, u);
+    return rest;
 }
 
 /* Size of the rounding errors in f - K u. */

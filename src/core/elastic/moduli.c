@@ -141,8 +141,9 @@ static sp_status solve_transposed(sp_equilibrium *e, double *f, const double *so
         double *w = stresses + a * n;
         const double scale = sp_strain_load_transposed(e->net, a, f);
         status = sp_equilibrium_weights(e, f, scale, w, err);
+        const double *rest = sp_equilibrium_spin_rest(e, f, w);
         for (int b = 0; b < strains && status == SP_OK; b++)
-            out->error[a][b] = sp_equilibrium_spin_error(e, f, w, 1, solutions + b * n) / sp_strain_volume(e->net);
+            out->error[a][b] = sp_equilibrium_spin_work(e, rest, 1, solutions + b * n) / sp_strain_volume(e->net);
     }
     return status;
 }

@@ -138,7 +138,7 @@ static sp_status sine_energy(sp_equilibrium *e, const double *f, const double *u
         w = work + 2 * n;
     }
     *energy = 0.5 * sp_dot(n, f, u);
-    *error = sp_equilibrium_spin_error(e, f, w, strain * *energy, u);
+    *error = sp_equilibrium_spin_work(e, sp_equilibrium_spin_rest(e, f, w), strain * *energy, u);
     sp_equilibrium_residual(e, f, u, rest);
     sp_strain_rounding(e->net, -1, u, size, NULL);
     for (int64_t k = 0; k < n; k++)
@@ -288,7 +288,7 @@ static sp_status lines_along(sp_equilibrium *e, int n, const uint8_t *fixed, int
     if (status != SP_OK)
         return status;
     /* each spin that is held may turn by the strain, which is typical of grains in contact */
-    off += sp_equilibrium_spin_error(e, work + 5 * dofs, weight, (n + 1) / height, u);
+    off += sp_equilibrium_spin_work(e, sp_equilibrium_spin_rest(e, work + 5 * dofs, weight), (n + 1) / height, u);
     sp_equilibrium_residual(e, f, u, rest);
     sp_strain_rounding(net, -1, u, size, NULL);
     for (int64_t c = 0; c < e->count; c++) {
