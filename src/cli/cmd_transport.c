@@ -93,7 +93,8 @@ const cli_syntax cmd_transport_syntax = {
         "diffusivity: random motions in a band about omega, with more energy on one side of the packing than on the "
         "other. The difference decays like exp(-D q^2 t) from 0.7 to 0.2 of its value at the start, between the times "
         "from and to. shift: D of the later half of this decay minus D of the earlier half. half: D from a wave of "
-        "half the length minus D. Both are near 0 if the energy diffuses.\n"
+        "half the length minus D. Both are near 0 if the energy diffuses; the error of D holds shift and twice half in "
+        "quadrature, less what their own errors explain.\n"
         "\n"
         "kubo: D from the matrix elements of the energy's current between all eigenmodes, speed: at which energy "
         "moves before it is scattered, path = dimension D/speed, the transport mean free path. shift: change of D if "
@@ -178,6 +179,7 @@ static sp_status measure_spread(const arguments *a, const sp_network *net, int32
     if (status != SP_OK || isnan(s.d))
         return status;
     add(&m[0], s.d, s.d_err);
+    add_shared(&m[0], s.d_off);
     add(&m[1], s.d_shift, NAN);
     add(&m[2], s.d_half, NAN);
     add(&m[3], s.from, NAN);

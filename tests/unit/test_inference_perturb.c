@@ -74,6 +74,18 @@ TEST(test_distributions) {
     assert_close(f / (double)listed, 0.9, 4 * sqrt(0.09 / (double)listed));
 }
 
+/* Factors of median 1 have another mean; the same draw with the mean 1 is smaller by one common factor. */
+TEST(test_unbiased) {
+    FREED(sp_packing) p = reference_packing(SMALL);
+    sp_errors e = sp_errors_default();
+    e.force = 0.4;
+    FREED(sp_packing) median = drawn(&p, &e, 1);
+    e.unbiased = true;
+    FREED(sp_packing) mean = drawn(&p, &e, 1);
+    for (int k = 0; k < p.n_contacts; k++)
+        assert_relative(median.contacts[k].fn / mean.contacts[k].fn, exp(0.08), 1e-12);
+}
+
 /* The same sample of half the error is half as far away. */
 TEST(test_nested) {
     FREED(sp_packing) p = reference_packing(SMALL);

@@ -141,10 +141,10 @@ void sp_drawing_free(sp_drawing *d) {
 
 /* ---- one draw --------------------------------------------------------------------------------------------------- */
 
-/* A factor of median 1 whose logarithm has this standard deviation. */
-static double factor(sp_random *r, double sd, bool exact) {
+/* A factor of median 1, or of mean 1, whose logarithm has this standard deviation. */
+static double factor(const sp_errors *e, sp_random *r, double sd, bool exact) {
     const double z = sp_random_normal(r);
-    return exact ? 1 : exp(sd * z);
+    return exact ? 1 : exp(sd * (z - (e->unbiased ? 0.5 * sd : 0)));
 }
 
 sp_status sp_drawing_copy(const sp_packing *p, int32_t room, sp_packing *out, sp_error *err) {
@@ -245,7 +245,7 @@ static void add_by_force(sp_contact c, const sp_contact *from, double force_fact
 static void draw_by_forces(const sp_drawing *d, bool exact, double common, sp_random *r, sp_packing *q) {
     const sp_errors *e = d->errors;
     for (int32_t k = 0; k < d->p->n_contacts; k++) {
-        const double force = factor(r, e->force, exact), times = factor(r, e->stiffness, exact);
+        const double force = factor(e, r, e->force, exact), times = factor(e, r, e->stiffness, exact);
         if (sp_random_uniform(r) >= e->false_part || exact)
             add_by_force(moved(d->p, q, &d->p->contacts[k]), &d->p->contacts[k], force, common * times, q);
     }
@@ -301,7 +301,7 @@ static sp_status visit_overlap(int32_t i, int32_t j, void *user, sp_error *err) 
     if (!(c.overlap > 0))
         return SP_OK;
     sp_random r = stream_of_pair(s, i, j);
-    const double times = factor(&r, s->d->errors->stiffness, s->exact);
+    const double times = factor(s->d->errors, &r, s->d->errors->stiffness, s->exact);
     if (sp_random_uniform(&r) < s->d->errors->false_part && !s->exact)
         return SP_OK;
     sp_contact *more = sp_grow(q->contacts, (size_t)q->n_contacts + 1, &s->capacity, sizeof *more);
@@ -328,7 +328,7 @@ sp_status sp_drawing_draw(const sp_drawing *d, uint64_t seed, int64_t sample, sp
     sp_status status = sp_drawing_copy(d->p, room, &q, err);
     if (status != SP_OK)
         return status;
-    const double common = factor(&r, d->errors->calibration, exact);
+    const double common = factor(d->errors, &r, d->errors->calibration, exact);
     move_grains(d->errors, exact, &r, &q);
     if (overlaps) {
         overlap_search search = {d, &q, (size_t)room > 0 ? (size_t)room : 1, exact, common, seed, stream};
