@@ -251,10 +251,12 @@ typedef struct sp_pack_spec {
                     protocol */
     double drag; /* rate of the global damping at p = 1e-4 [sqrt(E* / rho)/d]; scales as p^(1/3); -1: set by the
                     protocol */
-    double calm_damping;   /* zeta once the global damping has started; 0: set by the protocol */
-    double viscous_limit;  /* limit of the total tangential force, viscous part included, over the Coulomb limit of its
-                              elastic part; from the start of the global damping on, it is 1. 0: set by the protocol */
-    int64_t max_steps;     /* fail after this many; 0: a bound from the pressure and the height */
+    double calm_damping;  /* zeta once the global damping has started; 0: set by the protocol */
+    double viscous_limit; /* limit of the total tangential force, viscous part included, over the Coulomb limit of its
+                             elastic part; from the start of the global damping on, it is 1. 0: set by the protocol */
+    double strain_rate; /* of the edges of a cell without a piston, until the grains carry 0.01 p [sqrt(p / rho)/d]; 0:
+                           0.03, or as little as lets elastic waves cross the cell */
+    int64_t max_steps;  /* fail after this many; 0: a bound from the pressure and the height */
     const double *history; /* pressures [E*] to be equilibrated at first, in this order */
     int32_t history_count;
     const double *stress; /* target of cells without a piston: xx, yy, xy in 2D, xx, yy, zz, yz, xz, xy in 3D,

@@ -9,6 +9,8 @@
 
 /* Largest strain rate of an edge, over sqrt(p / rho)/d: the inertial number of the compaction. */
 static const double INERTIAL = 0.03;
+/* Up to this part of the pressure the grains do not carry the cell. */
+static const double UNLOADED = 0.01;
 /* The cell comes this near to its stress, by the factor e, in no less than so many updates: elastic waves need the
  * time, and a faster cell would ring. */
 static const double UPDATES = 6;
@@ -72,8 +74,9 @@ static void squeeze(compression *run, double dt) {
     double stress[6], target[6], excess[6];
     sp_dynamics_stress(d, stress);
     target_now(run, target);
-    const double rate =
-        fmin(INERTIAL * sqrt(p), p / (d->dim * compression_stiffness(p) * UPDATES * LATERAL_STEPS * dt));
+    double rate = fmin(INERTIAL * sqrt(p), p / (d->dim * compression_stiffness(p) * UPDATES * LATERAL_STEPS * dt));
+    if (run->whole->strain_rate > 0 && mean(d, stress) < UNLOADED * p)
+        rate = run->whole->strain_rate * sqrt(p);
     const double average = fmax(-1, fmin(1, mean(d, stress) / p - 1));
     for (int c = 0; c < 6; c++)
         excess[c] = fmax(-1, fmin(1, (stress[c] - target[c]) / p));

@@ -28,7 +28,8 @@ static int64_t default_max_steps(const compression *run) {
     for (int32_t stage = 0; stage <= spec->history_count; stage++)
         slowness += fmax(1, pow(sp_compression_stage_pressure(spec, stage) / 1e-4, power));
     double roughness = pow(spec->diameter_max / spec->diameter_min, 1.5) * 0.1 / spec->time_step;
-    return (int64_t)(4e6 * layers * slowness * fmax(1, roughness));
+    const double slow = spec->strain_rate > 0 ? fmax(1, 1e-3 / spec->strain_rate) : 1;
+    return (int64_t)(4e6 * layers * slowness * slow * fmax(1, roughness));
 }
 
 /* ---- order in memory ----------------------------------------------------------------------------------------- */

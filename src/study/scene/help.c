@@ -106,6 +106,7 @@ static const struct example {
     {"packing.drag", "0.005", "physics.md, Preparation: the fastest in boxes of 24 d"},
     {"packing.calm_damping", "0.4", "physics.md, Preparation"},
     {"packing.viscous_limit", "1", "physics.md, Preparation"},
+    {"packing.strain_rate", "0.001", "physics.md, Cells without a piston, and gravity"},
     {"packing.max_steps", "2000000", "physics.md, Preparation: generous"},
     {"material.E", "70e9", "none: units.md"},
     {"material.nu", "0.22", "none: units.md"},

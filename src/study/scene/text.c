@@ -98,9 +98,8 @@ void sp_field_put(sp_text *t, const sp_scene *s, const sp_field *f) {
 }
 
 /* Of packing.grains and packing.height only the one that counts is written, so that equal packings have equal texts.
- * Scenes name cell, stress and gravity where they are not those of a piston without weight, and loading history where
- * there is one.
- * The dimension is not written where packing.kind is swept and each kind has its own. */
+ * Scenes name cell, stress, strain rate and gravity where they are not those of a piston without weight, and loading
+ * history where there is one. The dimension is not written where packing.kind is swept and each kind has its own. */
 static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
     if (strcmp(f->key, "packing.dimension") == 0 && !group && !s->dimension_given)
         for (int k = 0; k < s->sweeps; k++)
@@ -110,6 +109,7 @@ static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
         (strcmp(f->key, "packing.gravity") == 0 && s->pack.gravity == 0) ||
         (strcmp(f->key, "packing.tangential") == 0 && s->pack.tangential == SP_TANGENTIAL_CONSTANT) ||
         (strcmp(f->key, "network.tangential") == 0 && s->network.tangential == SP_SPRINGS_CONSTANT) ||
+        (strcmp(f->key, "packing.strain_rate") == 0 && s->pack.strain_rate == 0) ||
         (strcmp(f->key, "packing.stress") == 0 && s->pack.stress_count == 0))
         return true;
     return (strcmp(f->key, "packing.height") == 0 && !(s->height > 0)) ||
