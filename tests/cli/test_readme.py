@@ -1,4 +1,4 @@
-"""The commands of the README, of the guide and of other pages work as written: every line that begins with `$ ` in a
+"""The commands of the README and of the guide work as written: every line that begins with `$ ` in a
 ```console block, in the order of the page, in one scratch folder with the example scenes. Blocks marked ```console long
 are left out. A block such as ```python draw.py is a file of that name.
 
@@ -13,8 +13,7 @@ import sys
 import tempfile
 
 COMMAND, SOURCE = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-PAGES = ("README.md", "docs/guide.md", "docs/units.md", "docs/view.md", "docs/figures.md", "docs/formats.md",
-         "docs/sensitivity.md", "docs/uncertainty.md", "docs/design-waves.md", "docs/coda.md")
+PAGES = ("README.md", "docs/guide.md", "docs/units.md")
 
 
 def console_commands(text, fences=("```console",)):
@@ -72,12 +71,12 @@ def run_page(page, then=lambda scratch, outputs: None, fences=("```console",)):
         return then(scratch, outputs) if commands else f"{page}: no commands found"
 
 
-def main():
-    check_the_reader()
-    faults = [fault for page in PAGES for fault in [run_page(page)] if fault]
+def run_pages(pages):
+    faults = [fault for page in pages for fault in [run_page(page)] if fault]
     print(*faults, sep="\n")
     sys.exit(1 if faults else 0)
 
 
 if __name__ == "__main__":
-    main()
+    check_the_reader()
+    run_pages(PAGES)

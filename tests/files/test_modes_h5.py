@@ -1,5 +1,6 @@
 """Files of modes seen from outside: K u = omega^2 M u with K built by numpy, the units and meanings of all datasets, and
 forged, damaged and foreign files, each of which must give its reason (exit status 1) and never a crash or a figure."""
+import os
 import pathlib
 import random
 import resource
@@ -12,9 +13,13 @@ import zlib
 import h5py
 import numpy as np
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parent.parent / "cli"), str(pathlib.Path(sys.argv[1]).parent / "python")]
 from common import names_all, packed_zeros  # noqa: E402
 from network_oracle import Network  # noqa: E402
+
+os.environ["MPLBACKEND"] = "Agg"
+from sonopack.plot import command as plotting  # noqa: E402
+from sonopack._command import start  # noqa: E402
 
 COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
 PACKING = SOURCE / "packings" / "reference" / "packing_N200_p1e-4.txt"
@@ -38,6 +43,21 @@ def run(*args, status=0):
     return done
 
 
+def plot(*args):
+    """`sonopack plot` in a fork of this process, which has drawn before: the same code without a second of imports for
+    each forgery. Exit status (negative: a signal) and what went to stderr."""
+    errors = FOLDER / "stderr"
+    child = os.fork()
+    if child == 0:
+        if LIMIT:
+            LIMIT()
+        os.dup2(os.open(errors, os.O_CREAT | os.O_WRONLY | os.O_TRUNC), 2)
+        sys.argv = ["sonopack", *map(str, args)]
+        start("plot")
+    status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    return status, errors.read_text()
+
+
 def table(text):
     lines = text.splitlines()
     comments = dict(line[2:].split(" = ", 1) for line in lines if line.startswith("# ") and " = " in line)
@@ -48,6 +68,8 @@ def table(text):
 
 GOOD, PRINTED = FOLDER / "good.h5", FOLDER / "good.tsv"
 run("modes", PACKING, "--vectors", GOOD, "-o", PRINTED)
+DRAWN = ["mode", str(PACKING), str(GOOD), "--mode", "80", "-o", str(FOLDER / "first.png")]
+plotting.run(plotting.parser().parse_intermixed_args(DRAWN))  # what a drawing imports, once for all forks
 
 
 def equation_of_motion():
@@ -167,8 +189,8 @@ def command_lines():
 
 # ---- forgeries -------------------------------------------------------------------------------------------------------
 def refuse(path, *parts):
-    done = run("plot", "mode", PACKING, path, "--mode", 80, "-o", FOLDER / "no.png", "--force", status=1)
-    assert names_all(done.stderr, " ".join([path.name, *parts])) and done.stderr.count("\n") == 1, (parts, done.stderr)
+    status, said = plot("mode", PACKING, path, "--mode", 80, "-o", FOLDER / "no.png", "--force")
+    assert status == 1 and names_all(said, " ".join([path.name, *parts])) and said.count("\n") == 1, (status, parts, said)
 
 
 def forge(change, *parts):
@@ -253,10 +275,9 @@ def damage():
         damaged = bytearray(whole)
         damaged[byte] ^= 1 << rng.randrange(8)
         copy.write_bytes(damaged)
-        done = subprocess.run([COMMAND, "plot", "mode", PACKING, copy, "--mode", "80", "-o", FOLDER / "d.png", "--force"],
-                              capture_output=True, text=True, preexec_fn=LIMIT)
-        assert done.returncode in (0, 1), (byte, done)  # a byte of another row is not read
-        refused += done.returncode
+        status, said = plot("mode", PACKING, copy, "--mode", 80, "-o", FOLDER / "d.png", "--force")
+        assert status in (0, 1), (byte, status, said)  # a byte of another row is not read
+        refused += status
     assert refused >= 2
     shutil.copy(PACKING, copy)
     refuse(copy)
