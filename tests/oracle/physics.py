@@ -42,7 +42,8 @@ def eigen(a):
     r = np.eye(n, dtype=LONG) - product(x.T, x)
     s = product(x.T, product(a, x))
     values = np.diag(s) / (1 - np.diag(r))
-    spread = np.linalg.norm((s - np.diag(values)).astype(float)) + np.abs(values).max() * np.linalg.norm(r.astype(float))
+    off, rest = (np.linalg.norm(m.astype(float)) for m in (s - np.diag(values), r))
+    spread = off + np.abs(values).max() * rest
     gap = values[None, :] - values[:, None]
     near = np.abs(gap) <= 2 * spread
     step = np.where(near, r / 2, (s + values[None, :] * r) / np.where(near, 1, gap))
