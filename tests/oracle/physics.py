@@ -203,14 +203,16 @@ def statics(p, margin=3.0, threshold=1e-4):
     n, c = p.n[active], active.nonzero()[0]
     point = p.x[p.i[c]] + (p.r[p.i[c]] - p.overlap[c] / 2)[:, None] * n
     here = bulk.inside(point)
-    if bulk.volume > 0 and (grains & alive).any() and here.any():
+    if bulk.volume > 0 and grains.any():
         out["Phi2"], out["Phi3"] = bulk.fractions(slice(None))
         out["Phi3s"] = bulk.fractions(alive)[1]
         out["density"] = bulk.fractions(alive, True)[1]
+        out["f0"] = 100 * np.mean(~alive[grains])
+    if bulk.volume > 0 and (grains & alive).any():
         ends = np.bincount(p.i[c], minlength=p.count)
         ends += np.bincount(p.j[c][p.j[c] >= 0], minlength=p.count)
         out["zs"] = ends[grains & alive].mean()
-        out["f0"] = 100 * np.mean(~alive[grains])
+    if bulk.volume > 0 and here.any():
         force = p.fn[c][here]
         mean = force.mean()
         out["N_over_p"] = mean / p.p

@@ -190,9 +190,24 @@ TEST(bulk_of_a_box) {
     const double places[][3] = {{0.5, 0.5, 0.5}, {0.5, middle, 0.5}, {middle, middle, 0.5}, {middle, middle, middle}};
     const double parts[] = {0.125, 0.25, 0.5, 1};
     for (int k = 0; k < 4; k++)
-        assert_close(sp_bulk_ball(&b, places[k], r), parts[k], 1e-3 * parts[k]);
+        assert_close(sp_bulk_ball(&b, places[k], r), parts[k], 1e-14);
     const double off[3] = {0.6, 0.45, 0.7};
     int inside = 0, all = 0;
+    for (int dim = 2; dim <= 3; dim++)
+        for (int place = 0; place < 20; place++) { /* the parts on all sides of planes through a ball are all of it */
+            const double x[3] = {0.3 * sin(place), 0.35 * sin(2 * place + 1), dim == 3 ? 0.4 * sin(3 * place + 2) : 0};
+            double whole = 0;
+            for (int side = 0; side < 1 << dim; side++) {
+                bulk part = b;
+                part.dim = dim;
+                for (int a = 0; a < dim; a++) {
+                    part.low[a] = side >> a & 1 ? 0 : -9;
+                    part.high[a] = side >> a & 1 ? 9 : 0;
+                }
+                whole += sp_bulk_ball(&part, x, r);
+            }
+            assert_close(whole, 1, 1e-13);
+        }
     srand(9);
     for (int k = 0; k < 400000; k++) {
         double x[3], square = 0;

@@ -3,6 +3,7 @@
 
 #include "base/base.h"
 #include "base/vector.h"
+#include "numeric/quadrature.h"
 #include "packing/contact.h"
 
 #include <math.h>
@@ -23,6 +24,7 @@ bulk sp_bulk_of(const sp_packing *p, double margin) {
     }
     if (empty)
         b.volume = 0;
+    sp_gauss_rule(SP_BULK_NODES, b.node, b.weight);
     return b;
 }
 
@@ -67,30 +69,66 @@ static double between(int dim, const slab *s, double r) {
     return segment_below(s->high, 0, r) - segment_below(s->low, 0, r);
 }
 
-/* Fraction of a ball, disc or segment (dim 3, 2, 1) within all slabs, which are upright on each other: a sum over
- * slices across the first. */
-static double within(int dim, int slabs, const slab *s, double r) {
-    enum { SLICES = 64 };
+/* ---- grains at edges and corners ----------------------------------------------------------------------------------
+ * A sum over slices across the first slab, at r sin(angle). It is not smooth where a slice begins to reach an edge of
+ * another slab, or a corner of two: there the panels of the sum meet. */
+
+enum { SLABS_MAX = 3, BREAKS_MAX = 2 + 2 * (4 + 4) };
+
+static void add_break(double distance, double r, double *angle, int *n) {
+    const double at = distance < r ? acos(distance / r) : 0;
+    if (at > angle[0] && at < angle[1])
+        angle[(*n)++] = at;
+    if (at > 0 && -at > angle[0] && -at < angle[1])
+        angle[(*n)++] = -at;
+}
+
+/* Angles at which panels begin and end, ascending; how many. */
+static int find_breaks(int slabs, const slab *s, double r, double angle[BREAKS_MAX]) {
+    int n = 2;
+    angle[0] = asin(fmax(-1, fmin(1, s->low / r)));
+    angle[1] = asin(fmax(-1, fmin(1, s->high / r)));
+    for (int k = 1; k < slabs; k++) {
+        add_break(fabs(s[k].low), r, angle, &n);
+        add_break(fabs(s[k].high), r, angle, &n);
+    }
+    for (int k = 0; k < 4 && slabs == SLABS_MAX; k++)
+        add_break(hypot(k % 2 ? s[1].low : s[1].high, k / 2 ? s[2].low : s[2].high), r, angle, &n);
+    for (int k = 1; k < n; k++)
+        for (int m = k; m > 0 && angle[m] < angle[m - 1]; m--) {
+            const double less = angle[m];
+            angle[m] = angle[m - 1];
+            angle[m - 1] = less;
+        }
+    return n;
+}
+
+/* Fraction of a ball, disc or segment (dim 3, 2, 1) within all slabs, which are upright on each other. u^2 (3 - 2 u)
+ * makes the powers of 3/2 at the ends of a panel smooth. */
+static double within(const bulk *b, int dim, int slabs, const slab *s, double r) {
+    double angle[BREAKS_MAX], sum = 0;
     if (slabs < 2)
         return slabs == 0 ? 1 : between(dim, s, r);
-    const double from = asin(fmax(-1, fmin(1, s->low / r))), to = asin(fmax(-1, fmin(1, s->high / r)));
-    double sum = 0;
-    for (int k = 0; k < SLICES; k++) {
-        const double c = cos(from + (to - from) * (k + 0.5) / SLICES);
-        sum += (dim == 3 ? 0.75 * c * c * c : 2 / PI * c * c) * within(dim - 1, slabs - 1, s + 1, r * c);
-    }
-    return sum * (to - from) / SLICES;
+    const int n = find_breaks(slabs, s, r, angle);
+    for (int m = 1; m < n; m++)
+        for (int k = 0; k < SP_BULK_NODES; k++) {
+            const double u = 0.5 + 0.5 * b->node[k], wide = angle[m] - angle[m - 1];
+            const double c = cos(angle[m - 1] + wide * u * u * (3 - 2 * u));
+            sum += b->weight[k] * 3 * u * (1 - u) * wide * (dim == 3 ? 0.75 * c * c * c : 2 / PI * c * c) *
+                   within(b, dim - 1, slabs - 1, s + 1, r * c);
+        }
+    return sum;
 }
 
 static double part(const bulk *b, int dim, const double x[3], double r) {
-    slab cut[3];
+    slab cut[SLABS_MAX];
     int slabs = 0;
     for (int a = 0; a < b->dim; a++) {
         const slab s = {b->low[a] - x[a], b->high[a] - x[a]};
         if (b->bounded[a] && (s.low > -r || s.high < r))
             cut[slabs++] = s;
     }
-    return within(dim, slabs, cut, r);
+    return within(b, dim, slabs, cut, r);
 }
 
 double sp_bulk_ball(const bulk *b, const double x[3], double r) { return part(b, 3, x, r); }

@@ -1,6 +1,7 @@
 /* Pulses of any shape: strength and extent, and signals as the convolution with the response to a short pulse. */
 #include "base/base.h"
 #include "base/vector.h"
+#include "numeric/quadrature.h"
 #include "signal/job.h"
 
 #include <float.h>
@@ -131,25 +132,6 @@ typedef struct convolution {
     int64_t last;                              /* number of points - 1 */
 } convolution;
 
-/* Roots of Legendre's polynomial by Newton's method (Abramowitz and Stegun, 25.4.29). */
-static void gauss_rule(int n, double *node, double *weight) {
-    for (int k = 0; k < n; k++) {
-        double x = cos(M_PI * (k + 0.75) / (n + 0.5)), slope = 1;
-        for (int step = 0; step < 20; step++) {
-            double p = 1, before = 0;
-            for (int m = 1; m <= n; m++) {
-                const double next = ((2 * m - 1) * x * p - (m - 1) * before) / m;
-                before = p;
-                p = next;
-            }
-            slope = n * (x * p - before) / (x * x - 1);
-            x -= p / slope;
-        }
-        node[k] = x;
-        weight[k] = 2 / ((1 - x * x) * slope * slope);
-    }
-}
-
 /* The value at a point, also before t = 0. */
 static double sample(const convolution *c, int64_t point) {
     return point < 0 ? c->g->mirror * c->g->g[-point * c->rule->stride] : c->g->g[point * c->rule->stride];
@@ -237,7 +219,7 @@ static sp_status convolve(const response_points *g, const sp_pulse *pulse, const
     if (!(work < WORK_MAX))
         return sp_fail(err, SP_EREFUSED, "pulse of length %g at %d times: too long for its convolution (%.2g products)",
                        length, n, work);
-    gauss_rule(rule->nodes, c.node, c.weight);
+    sp_gauss_rule(rule->nodes, c.node, c.weight);
     c.barycentric[0] = 1;
     for (int k = 1; k < rule->points; k++)
         c.barycentric[k] = -c.barycentric[k - 1] * (rule->points - k) / k;
