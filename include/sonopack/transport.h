@@ -85,16 +85,17 @@ typedef struct sp_spread_options {
 } sp_spread_options;
 SP_API sp_spread_options sp_spread_options_default(void);
 
+/* What longer waves may change d by, over d_half: the change may double with each wave that is twice as short. */
+#define SP_SPREAD_HALVES 2
 /* Diffusivity of energy from the spreading of random motions of a band of frequencies. */
 typedef struct sp_spread {
     double omega, q; /* frequency of the band [sqrt(E* / rho)/d]; wave number of the pattern [1/d] */
     double d;        /* diffusivity from the decay of f from `high` to `low` [d sqrt(E* / rho)] */
-    double d_err;   /* standard error over the random motions (jackknife), and d_off in quadrature [d sqrt(E* / rho)] */
-    double d_off;   /* what the method may be off: d_shift and twice d_half in quadrature, less what their own errors
-                       explain [d sqrt(E* / rho)] */
-    double d_shift; /* d of the later half of ln f, minus d of the earlier half: near 0 if the energy diffuses [d
-                       sqrt(E* / rho)] */
-    double d_half;  /* d of a wave of half the length, minus d: near 0 if the energy diffuses [d sqrt(E* / rho)] */
+    double d_err; /* standard error over the random motions (jackknife), and in quadrature d_shift and SP_SPREAD_HALVES
+                      times d_half, what longer times and waves may change [d sqrt(E* / rho)] */
+    double d_shift;  /* d of the later half of ln f, minus d of the earlier half: near 0 if the energy diffuses [d
+                        sqrt(E* / rho)] */
+    double d_half;   /* d of a wave of half the length, minus d: near 0 if the energy diffuses [d sqrt(E* / rho)] */
     double from, to; /* first; last time of the fit [d/sqrt(E* / rho)] */
     double low;      /* f at the end of the fit: 0.2, or more where `until` came first */
     double drift;    /* largest relative change of the energy: rounding errors */

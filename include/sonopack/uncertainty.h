@@ -27,7 +27,7 @@ typedef struct sp_errors {
     double force;       /* of each normal force, relative (lognormal); FORCES only */
     double stiffness;   /* of each contact's stiffness, relative (lognormal); k_n and k_t together */
     double calibration; /* of all stiffnesses together, relative (lognormal): E*, or the calibration of all forces */
-    bool unbiased;      /* these three factors have the mean 1; false: the median 1, so the mean 1 + sd^2/2 */
+    bool mean_one;      /* these three factors have the mean 1; false: the median 1, so the mean exp(sd^2/2) */
     double false_part;  /* probability that a contact carries no force, although it is listed */
     double missing; /* probability that a pair of grains within `gap`, or a grain and a wall, carries force, although
                        it is not listed; FORCES only */

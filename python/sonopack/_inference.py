@@ -68,7 +68,7 @@ class Uncertainty(_fields.Uncertainty, Mapping[str, Uncertain]):
 
 @documented("sp_uncertainty_make")
 def uncertainty(packing: Packing, *, measured: str = "forces", position: float = 0.0, radius: float = 0.0,
-                force: float = 0.0, stiffness: float = 0.0, calibration: float = 0.0, unbiased: bool = False,
+                force: float = 0.0, stiffness: float = 0.0, calibration: float = 0.0, mean_one: bool = False,
                 false: float = 0.0, missing: float = 0.0, gap: float | None = None, missing_force: float | None = None,
                 samples: int | None = None, seed: int | None = None, modes: int | None = None, moduli: bool = True,
                 first_order: bool = True, source: str = "impulse", margin: float | None = None,
@@ -76,7 +76,7 @@ def uncertainty(packing: Packing, *, measured: str = "forces", position: float =
     """How standard errors of a measured packing carry into its sound: result["t10"].sd, result["c_l"].share, ..."""
     options = ffi.new("sp_uncertainty_options *", lib.sp_uncertainty_options_default())
     _core.set_fields(options.errors, {"measured": measured, "position": position, "radius": radius, "force": force,
-                                      "stiffness": stiffness, "calibration": calibration, "unbiased": unbiased,
+                                      "stiffness": stiffness, "calibration": calibration, "mean_one": mean_one,
                                       "false_part": false,
                                       "missing": missing, "gap": gap, "missing_force": missing_force})
     _core.set_fields(options, {"samples": samples, "seed": seed, "modes": modes, "moduli": moduli,

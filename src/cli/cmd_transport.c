@@ -26,7 +26,7 @@ static const char *const axis_names[] = {"up", "x", "y", NULL};
 typedef struct mean {
     bool few;
     int64_t n;
-    double sum, squares, own, shared;
+    double sum, squares, own, shared[2];
 } mean;
 
 typedef struct arguments {
@@ -94,7 +94,7 @@ const cli_syntax cmd_transport_syntax = {
         "other. The difference decays like exp(-D q^2 t) from 0.7 to 0.2 of its value at the start, between the times "
         "from and to. shift: D of the later half of this decay minus D of the earlier half. half: D from a wave of "
         "half the length minus D. Both are near 0 if the energy diffuses; the error of D holds shift and twice half in "
-        "quadrature, less what their own errors explain.\n"
+        "quadrature.\n"
         "\n"
         "kubo: D from the matrix elements of the energy's current between all eigenmodes, speed: at which energy "
         "moves before it is scattered, path = dimension D/speed, the transport mean free path. shift: change of D if "
@@ -138,7 +138,7 @@ static void add(mean *m, double value, double error) {
 }
 
 /* An error that all packings share: that of the method, not of the sample. */
-static void add_shared(mean *m, double error) { m->shared += isnan(error) ? 0 : error; }
+static void add_shared(mean *m, int kind, double error) { m->shared[kind] += isnan(error) ? 0 : error; }
 
 static double value_of(const mean *m) { return m->n > 0 && !m->few ? m->sum / (double)m->n : NAN; }
 
@@ -148,7 +148,9 @@ static double error_of(const mean *m) {
         return NAN;
     if (m->n == 1)
         return m->own;
-    return m->n > 1 ? hypot(sqrt(fmax(0, m->squares - m->sum * m->sum / n) / (n - 1) / n), m->shared / n) : NAN;
+    return m->n > 1 ? hypot(sqrt(fmax(0, m->squares - m->sum * m->sum / n) / (n - 1) / n),
+                            hypot(m->shared[0], m->shared[1]) / n)
+                    : NAN;
 }
 
 /* ---- one packing ------------------------------------------------------------------------------------------------- */
@@ -179,7 +181,8 @@ static sp_status measure_spread(const arguments *a, const sp_network *net, int32
     if (status != SP_OK || isnan(s.d))
         return status;
     add(&m[0], s.d, s.d_err);
-    add_shared(&m[0], s.d_off);
+    add_shared(&m[0], 0, s.d_shift);
+    add_shared(&m[0], 1, SP_SPREAD_HALVES * s.d_half);
     add(&m[1], s.d_shift, NAN);
     add(&m[2], s.d_half, NAN);
     add(&m[3], s.from, NAN);
@@ -193,8 +196,8 @@ static void add_kubo(const arguments *a, const sp_kubo *k, mean *m) {
     add(&m[1], k->d_shift, NAN);
     add(&m[2], k->speed, k->speed_err);
     add(&m[3], path, path * hypot(k->d_err / k->d, k->speed_err / k->speed));
-    add_shared(&m[0], SP_KUBO_SHIFTS * k->d_shift);
-    add_shared(&m[3], SP_KUBO_SHIFTS * k->d_shift * path / k->d);
+    add_shared(&m[0], 0, SP_KUBO_SHIFTS * k->d_shift);
+    add_shared(&m[3], 0, SP_KUBO_SHIFTS * k->d_shift * path / k->d);
 }
 
 static sp_status measure_kubo(const arguments *a, const sp_network *net, sp_error *err) {

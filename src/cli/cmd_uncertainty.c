@@ -27,8 +27,10 @@ static const cli_option options[] = {
      CLI_FIELD(o.errors.stiffness), .high = 2},
     {"calibration", "SD", "Of all stiffnesses together, relative to them (0)", CLI_NUMBER,
      CLI_FIELD(o.errors.calibration), .high = 2},
-    {"unbiased", NULL, "These three as factors of mean 1 (otherwise of median 1, so of mean 1 + SD^2/2)", CLI_FLAG,
-     CLI_FIELD(o.errors.unbiased)},
+    {"mean-one", NULL,
+     "Factors of force, stiffness and calibration have the mean 1 (otherwise the median 1, so the "
+     "mean exp(SD^2/2))",
+     CLI_FLAG, CLI_FIELD(o.errors.mean_one)},
     {"false", "P", "Probability that a listed contact carries no force (0)", CLI_NUMBER, CLI_FIELD(o.errors.false_part),
      .high = 1},
     {"missing", "P", "Probability that two grains, or a grain and a wall, carry force although they are not listed (0)",
@@ -115,7 +117,7 @@ static void add_comments(const arguments *a, const cli_file *file, const sp_unce
     cli_comment(w, "file = %s", file->path);
     cli_comment(w, "measured = %s", measured_names[e->measured]);
     if (e->force > 0 || e->stiffness > 0 || e->calibration > 0)
-        cli_comment(w, "factors = %s", e->unbiased ? "mean 1" : "median 1");
+        cli_comment(w, "factors = %s", e->mean_one ? "mean 1" : "median 1");
     for (size_t k = 0; k < sizeof given / sizeof *given; k++)
         if (given[k].value > 0)
             cli_value(w, given[k].key, given[k].value);

@@ -75,12 +75,12 @@ TEST(test_distributions) {
 }
 
 /* Factors of median 1 have another mean; the same draw with the mean 1 is smaller by one common factor. */
-TEST(test_unbiased) {
+TEST(test_mean_one) {
     FREED(sp_packing) p = reference_packing(SMALL);
     sp_errors e = sp_errors_default();
     e.force = 0.4;
     FREED(sp_packing) median = drawn(&p, &e, 1);
-    e.unbiased = true;
+    e.mean_one = true;
     FREED(sp_packing) mean = drawn(&p, &e, 1);
     for (int k = 0; k < p.n_contacts; k++)
         assert_relative(median.contacts[k].fn / mean.contacts[k].fn, exp(0.08), 1e-12);

@@ -122,9 +122,9 @@ TEST(test_strips) {
     assert_ok(sp_spread_make(&net, 0.4 * omega, &o, &crossed, &err));
     assert_ok(sp_spread_make(&net, 0.5 * omega, &o, &scattered, &err));
     assert_ok(sp_spread_make(&more, 0.4 * omega, &o, &longer, &err));
-    assert_true(crossed.d_off > 1.5 * fabs(crossed.d_half) && fabs(crossed.d_half) > 0.2 * crossed.d);
-    assert_true(hypot(crossed.d_off, 0.1 * crossed.d) > crossed.d_err && crossed.d_err > crossed.d_off);
-    assert_true(scattered.d_off < 0.1 * scattered.d && longer.d_off < crossed.d_off);
+    assert_true(fabs(crossed.d_half) > 0.2 * crossed.d && crossed.d_err > 2 * fabs(crossed.d_half));
+    assert_true(crossed.d_err < hypot(2 * crossed.d_half, 0.15 * crossed.d));
+    assert_true(scattered.d_err < 0.2 * scattered.d && longer.d_err < crossed.d_err);
     assert_close(longer.d, crossed.d, crossed.d_err);
 }
 

@@ -144,7 +144,7 @@ void sp_drawing_free(sp_drawing *d) {
 /* A factor of median 1, or of mean 1, whose logarithm has this standard deviation. */
 static double factor(const sp_errors *e, sp_random *r, double sd, bool exact) {
     const double z = sp_random_normal(r);
-    return exact ? 1 : exp(sd * (z - (e->unbiased ? 0.5 * sd : 0)));
+    return exact ? 1 : exp(sd * (z - (e->mean_one ? 0.5 * sd : 0)));
 }
 
 sp_status sp_drawing_copy(const sp_packing *p, int32_t room, sp_packing *out, sp_error *err) {

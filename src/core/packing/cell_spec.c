@@ -122,7 +122,7 @@ static sp_status check_piston_cell(const sp_pack_spec *s, sp_error *err) {
                            s->stress_count);
     if (s->strain_rate != 0)
         return sp_fail_key(err, SP_EINVAL, "packing.strain_rate",
-                           " = %g: must be 0 for packing.cell = \"piston\", whose piston falls freely", s->strain_rate);
+                           " = %g: must be 0 unless packing.cell is \"periodic\" or \"box\"", s->strain_rate);
     if (s->gravity != 0 && (!compressed || s->compression != SP_COMPRESSION_PISTON))
         return sp_fail_key(err, SP_EINVAL, "packing.gravity",
                            " = %g: must be 0 except for random grains under a piston whose sides do not move",

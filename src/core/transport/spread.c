@@ -13,9 +13,7 @@ static const double FIT_END = 0.2;        /* of f: below, what is left of the wa
 static const double END_NEEDED = 0.5;     /* a fit needs f to fall at least to this */
 static const double SHIFT_MOST = 1 / 3.0; /* of d, beyond twice its error; for a ballistic motion it exceeds d */
 static const double SHIFT_EVER = 2 / 3.0; /* of d */
-/* What longer waves would change d by, over d_half: it may double with each wave that is twice as short. */
-static const double HALVES = 2;
-static const double FIRST_STEP = 0.25; /* of a period of omega */
+static const double FIRST_STEP = 0.25;    /* of a period of omega */
 /* Over the time at which the fit begins: a decay that is exponential ends at 4.5, and one that has not ended here will
  * be refused. */
 static const double PATIENCE = 12;
@@ -223,14 +221,7 @@ static bool contradicts(double shift, double error, double d) {
 
 static double jackknife(int32_t n, const double *value) { return (n - 1) * sp_standard_error(n, value); }
 
-/* Adds to the errors what a shift of d says about the method, without what its own error explains. */
-static void add_shift(sp_spread *out, double shift, double error) {
-    const double off2 = fmax(0, shift * shift - error * error);
-    out->d_off = sqrt(out->d_off * out->d_off + off2);
-    out->d_err = sqrt(out->d_err * out->d_err + off2);
-}
-
-static sp_status evaluate(const spreading *s, sp_spread *out, double *shift_err, sp_error *err) {
+static sp_status evaluate(const spreading *s, sp_spread *out, sp_error *err) {
     const int32_t n = s->opt->sources;
     const double last = left_of_wave(s, -1, s->points - 1);
     double *d = sp_alloc((size_t)n, 2 * sizeof *d);
@@ -253,15 +244,15 @@ static sp_status evaluate(const spreading *s, sp_spread *out, double *shift_err,
                        .to = all.to,
                        .low = out->low,
                        .drift = s->drift};
-    *shift_err = jackknife(n, shift);
-    if (!(out->low <= END_NEEDED) || contradicts(all.shift, *shift_err, all.d))
-        out->d = out->d_err = out->d_off = out->d_shift = NAN;
+    const double shift_err = jackknife(n, shift);
+    if (!(out->low <= END_NEEDED) || contradicts(all.shift, shift_err, all.d))
+        out->d = out->d_err = out->d_shift = NAN;
     sp_free(d);
     return SP_OK;
 }
 
 static sp_status spread_once(const sp_network *net, double omega, const sp_spread_options *opt, sp_spread *out,
-                             double *shift_err, sp_error *err) {
+                             sp_error *err) {
     spreading s = {.net = net, .opt = opt, .omega = omega};
     s.until = opt->until > 0 ? opt->until : PERIODS * 2 * M_PI / omega;
     sp_status status = sp_packet_space_make(net, &s.space, err);
@@ -274,7 +265,7 @@ static sp_status spread_once(const sp_network *net, double omega, const sp_sprea
     if (status == SP_OK)
         status = follow(&s, err);
     if (status == SP_OK)
-        status = evaluate(&s, out, shift_err, err);
+        status = evaluate(&s, out, err);
     spreading_free(&s);
     return status;
 }
@@ -284,23 +275,20 @@ static sp_status spread_once(const sp_network *net, double omega, const sp_sprea
 sp_status sp_spread_make(const sp_network *net, double omega, const sp_spread_options *opt, sp_spread *out,
                          sp_error *err) {
     sp_spread long_wave, short_wave;
-    double shift_err = NAN, short_err = NAN;
     sp_spread_options half = *opt;
     sp_status status = check(net, omega, opt, err);
     half.waves *= 2;
     if (status == SP_OK)
-        status = spread_once(net, omega, opt, &long_wave, &shift_err, err);
+        status = spread_once(net, omega, opt, &long_wave, err);
     if (status == SP_OK)
-        status = spread_once(net, omega, &half, &short_wave, &short_err, err);
+        status = spread_once(net, omega, &half, &short_wave, err);
     if (status != SP_OK)
         return status;
     *out = long_wave;
     out->drift = fmax(long_wave.drift, short_wave.drift);
     out->d_half = short_wave.d - long_wave.d;
-    const double half_err = hypot(long_wave.d_err, short_wave.d_err);
-    if (contradicts(out->d_half, half_err, long_wave.d))
-        out->d = out->d_err = out->d_off = out->d_shift = out->d_half = NAN;
-    add_shift(out, out->d_shift, shift_err);
-    add_shift(out, HALVES * out->d_half, HALVES * half_err);
+    if (contradicts(out->d_half, hypot(long_wave.d_err, short_wave.d_err), long_wave.d))
+        out->d = out->d_err = out->d_shift = out->d_half = NAN;
+    out->d_err = hypot(out->d_err, hypot(out->d_shift, SP_SPREAD_HALVES * out->d_half));
     return SP_OK;
 }
