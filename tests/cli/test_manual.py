@@ -70,6 +70,7 @@ def help_of_keys():
     needs = {"packing.sizes": ["packing.diameter_min=0.8", "packing.diameter_max=1.2"],
              "packing.diameter_min": ["packing.diameter_max=1.2"], "packing.diameter_max": ["packing.diameter_min=0.8"],
              "packing.depth": ["packing.dimension=3"], "packing.cell": ['study.want=["moduli"]'],  # fronts need walls
+             "packing.strain_rate": ['study.want=["moduli"]', 'packing.cell="periodic"'],
              "packing.stress": ['study.want=["moduli"]', 'packing.cell="periodic"']}
     glass = ["material.E=7e10", "material.nu=0.2", "material.rho=2500", "material.d=1e-3"]
     for key in keys():

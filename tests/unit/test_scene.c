@@ -138,6 +138,7 @@ static void text_reads_back_bit_for_bit(void **state) {
         s.height = 0; /* in place of the grains: test_scene_heights */
         s.pack.compression = draw(&random) % 2;
         s.pack.gravity *= s.pack.compression == SP_COMPRESSION_PISTON;
+        s.pack.strain_rate = 0; /* of other cells */
         s.pack.protocol = draw(&random) % 2;
         s.pack.sizes = draw(&random) % 2;
         s.pack.reference = draw(&random) & 1;

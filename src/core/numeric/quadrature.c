@@ -1,3 +1,4 @@
+/* Quadrature on an interval. */
 #include "numeric/quadrature.h"
 
 #include <math.h>

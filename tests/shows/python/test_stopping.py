@@ -20,12 +20,16 @@ SMALL = Scene(packing={"grains": 60, "width": 8})
 DIAGRAM = dict(output="bifurcation", from_=0.5, to=1.2, points=40, taps=40, transient=100)
 
 
+def time_used(process):
+    fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 def wait_for_work(process, seconds):
-    """Until a process has used so much processor time: unlike a clock it passes only when the process gets on."""
-    clock = os.sysconf("SC_CLK_TCK")
+    """Until a process has used so much more processor time: unlike a clock it passes only when the process gets on."""
+    before = time_used(process)
     while process.poll() is None:
-        fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rsplit(")", 1)[1].split()
-        if (int(fields[11]) + int(fields[12])) / clock >= seconds:
+        if time_used(process) >= before + seconds:
             return
         time.sleep(0.01)
     assert False, "it ended before it could be stopped"
