@@ -77,8 +77,8 @@ def uncertainty(packing: Packing, *, measured: str = "forces", position: float =
     options = ffi.new("sp_uncertainty_options *", lib.sp_uncertainty_options_default())
     _core.set_fields(options.errors, {"measured": measured, "position": position, "radius": radius, "force": force,
                                       "stiffness": stiffness, "calibration": calibration, "mean_one": mean_one,
-                                      "false_part": false,
-                                      "missing": missing, "gap": gap, "missing_force": missing_force})
+                                      "false_part": false, "missing": missing, "gap": gap,
+                                      "missing_force": missing_force})
     _core.set_fields(options, {"samples": samples, "seed": seed, "modes": modes, "moduli": moduli,
                                "first_order": first_order, "source": source, "margin": margin, "threads": threads})
     _network_options(options, threshold, prestress)

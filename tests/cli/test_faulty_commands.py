@@ -11,16 +11,16 @@ from faulty import COMMANDS, KINDS, try_all
 
 # every call, or every few calls, of these fail, once or all from there on: (command, kind, how, error, step)
 EVERY = [
-    ("statics-tall", "read", "ONCE", errno.EIO, 2),  # of what is optional too
+    ("statics-tall", "read", "ONCE", errno.EIO, 1),  # of what is optional too
     ("statics-tall", "read", "ONCE", errno.EINTR, 3),
     ("statics-tall", "read", "ONCE", "SHORT", 3),
     ("study-again", "read", "ONCE", errno.EIO, 7),
     ("study-verify", "read", "ON", errno.ESTALE, 11),  # no good sample is put aside
     ("study-verify", "foreign", "ONCE", errno.ENOMEM, 97),  # HDF5 begins by half
-    ("study-again", "open", "ONCE", errno.EMFILE, 3),
+    ("study-again", "open", "ONCE", errno.EMFILE, 1),
     ("study-again", "stat", "ONCE", errno.ESTALE, 3),
     ("table", "list", "ONCE", errno.EIO, 1),  # no sample is left out
-    ("table", "stat", "ONCE", errno.ESTALE, 3),
+    ("table", "stat", "ONCE", errno.ESTALE, 1),
     ("table", "read", "ONCE", errno.ESTALE, 1),
     ("pack-text", "stat", "ONCE", errno.ESTALE, 1),  # no temporary is left
     ("pack-text", "write", "ONCE", errno.ENOSPC, 1),

@@ -24,7 +24,8 @@ bulk sp_bulk_of(const sp_packing *p, double margin) {
     }
     if (empty)
         b.volume = 0;
-    sp_gauss_rule(SP_BULK_NODES, b.node, b.weight);
+    if (b.bounded[0] + b.bounded[1] + b.bounded[2] > 1) /* there are edges */
+        sp_gauss_rule(SP_BULK_NODES, b.node, b.weight);
     return b;
 }
 
