@@ -5,14 +5,16 @@
 
 enum { SAMPLES = 4 };
 
-/* A store of chains, which are made in no time and hold to rounding. */
-static sp_store *chains(char name[SAMPLES][SP_NAME_MAX]) {
+/* A store of chains, which are made in no time and hold to rounding; with the results that `wants' names. */
+static sp_store *chains_with(const char *wants, char name[SAMPLES][SP_NAME_MAX]) {
     sp_store *store;
     sp_scene study;
+    char text[200];
+    snprintf(text, sizeof text,
+             "packing = { kind = \"chain\"; grains = 9; friction = 0; }; study = { samples = 4; want = [%s]; };",
+             wants);
     assert_ok(sp_store_open(folder, true, &store, &err));
-    assert_ok(sp_scene_parse("packing = { kind = \"chain\"; grains = 9; friction = 0; };"
-                             "study = { samples = 4; want = [\"ctof\", \"signal\"]; };",
-                             "test", 0, NULL, &study, &err));
+    assert_ok(sp_scene_parse(text, "test", 0, NULL, &study, &err));
     sp_study_sink sink = sp_store_sink(store);
     const sp_study_options options = {.jobs = 1, .shard = 1, .shards = 1};
     assert_ok(sp_study_run(&study, &options, &sink, NULL, NULL, NULL, &err));
@@ -24,6 +26,8 @@ static sp_store *chains(char name[SAMPLES][SP_NAME_MAX]) {
     sp_scene_free(&study);
     return store;
 }
+
+static sp_store *chains(char name[SAMPLES][SP_NAME_MAX]) { return chains_with("\"ctof\", \"signal\"", name); }
 
 /* What the check said, and when it is to stop. */
 typedef struct notes {
@@ -129,6 +133,35 @@ static void records_and_retries(void **state) {
     sp_store_close(store);
 }
 
+/* Adds statics to all samples while the check, which has read two of them, tells of the first. */
+static bool add_statics(const sp_store_finding *f, void *user) {
+    char name[SAMPLES][SP_NAME_MAX];
+    int *files = user;
+    if ((*files)++ == 0)
+        sp_store_close(chains_with("\"ctof\", \"signal\", \"statics\"", name));
+    return f->verdict == SP_SOUND;
+}
+
+static void files_replaced_meanwhile(void **state) {
+    (void)state;
+    char name[SAMPLES][SP_NAME_MAX];
+    int files = 0;
+    sp_store_close(chains(name));
+    assert_int_equal(unlink(fixture_path(folder, "manifest.tsv")), 0);
+    sp_store *store;
+    assert_ok(sp_store_open(folder, true, &store, &err));
+    const sp_store_check check = {.names = -1, .tolerance = 1e-9, .jobs = 2, .found = add_statics, .user = &files};
+    assert_ok(sp_store_verify(store, &check, &err));
+    assert_int_equal(files, SAMPLES);
+    sp_store_close(store);
+
+    assert_ok(sp_store_open(folder, false, &store, &err)); /* as another process sees it */
+    const sp_study_sink sink = sp_store_sink(store);
+    for (int k = 0; k < SAMPLES; k++)
+        assert_true(fixture_has(&sink, name[k], SP_WANT_STATICS));
+    sp_store_close(store);
+}
+
 static void stopping_and_lack_of_memory(void **state) {
     (void)state;
     char name[SAMPLES][SP_NAME_MAX];
@@ -159,6 +192,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         BETWEEN(verdicts),
         BETWEEN(records_and_retries),
+        BETWEEN(files_replaced_meanwhile),
         BETWEEN(stopping_and_lack_of_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

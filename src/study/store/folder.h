@@ -53,8 +53,11 @@ sp_status sp_store_names(const sp_store *store, sp_name_list *list, sp_error *er
 sp_status sp_store_finished(const sp_store *store, const char *name, sp_sample *out, sp_error *err);
 /* Whether the sample is recorded as failed. A damaged record does not count. */
 bool sp_store_has_failed(const sp_store *store, const char *name);
-/* Adds the sample's file to the manifest. */
-void sp_store_enter(const sp_store *store, const sp_sample *sample);
+/* The status of NAME.ENDING, 0 everywhere if there is none. */
+bool sp_store_stat(const sp_store *store, const char *name, const char *ending, struct stat *info);
+/* Adds the sample and its file to the manifest. info: from before the sample was read, because another process may
+ * replace the file at any moment, and what stands in the manifest beside the new file's status is believed. */
+void sp_store_enter(const sp_store *store, const struct stat *info, const sp_sample *sample);
 
 /* ---- stated.c and recompute.c
  * ------------------------------------------------------------------------------------------------- */

@@ -40,7 +40,9 @@ static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp
     *found = false;
     if (!sp_store_is_name(name) || !sp_store_holds(store, name, "h5"))
         return SP_OK;
+    struct stat info;
     sp_record r;
+    sp_store_stat(store, name, "h5", &info);
     sp_status status = sp_store_get(store, name, packing, true, &r, err);
     if (status == SP_EFORMAT)
         return sp_store_make_way(store, name, "h5", err); /* it is to be made again */
@@ -48,6 +50,7 @@ static sp_status sink_load(void *user, const char *name, sp_packing *packing, sp
         return status;
     *sample = r.sample;
     *found = true;
+    sp_store_enter(store, &info, sample); /* the manifest may have told something else */
     sp_record_free(&r);
     return SP_OK;
 }
@@ -145,13 +148,15 @@ static sp_status save_made(const sp_store *store, const sp_scene *scene, const s
     if (status == SP_OK)
         status = sp_store_put(store, &fresh, given ? given : &stored, err);
     if (status == SP_OK) {
+        struct stat info;
         char path[SP_PATH_MAX];
         sp_store_path(store, sample->name, "failed", path);
         if (sp_failure_read(path, sample->name, &(sp_sample){0}, NULL) == SP_OK)
             unlink(path); /* this time it did not fail */
         else
             sp_store_make_way(store, sample->name, "failed", NULL);
-        sp_store_enter(store, &fresh.sample);
+        if (sp_store_stat(store, sample->name, "h5", &info))
+            sp_store_enter(store, &info, &fresh.sample);
     }
     sp_packing_free(&stored);
     lend_arrays(&fresh, arrays, false);
@@ -160,6 +165,7 @@ static sp_status save_made(const sp_store *store, const sp_scene *scene, const s
 }
 
 static sp_status save_failed(const sp_store *store, const sp_sample *sample, sp_error *err) {
+    struct stat info;
     char path[SP_PATH_MAX];
     sp_sample again;
     sp_store_path(store, sample->name, "failed", path);
@@ -168,8 +174,9 @@ static sp_status save_failed(const sp_store *store, const sp_sample *sample, sp_
         status = sp_store_make_way(store, sample->name, "failed", err);
     if (status == SP_OK)
         status = sp_failure_save(path, sample, err);
-    if (status == SP_OK && sp_failure_read(path, sample->name, &again, NULL) == SP_OK)
-        sp_store_enter(store, &again);
+    if (status == SP_OK && sp_store_stat(store, sample->name, "failed", &info) &&
+        sp_failure_read(path, sample->name, &again, NULL) == SP_OK)
+        sp_store_enter(store, &info, &again);
     return status;
 }
 

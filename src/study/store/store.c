@@ -67,36 +67,35 @@ void sp_store_retry(sp_store *store, bool retry) { store->retry = retry; }
 /* ---- looking up ----------------------------------------------------------------------------------------------------
  */
 
-/* A file of the store, and its status. */
-typedef struct stored_file {
+bool sp_store_stat(const sp_store *store, const char *name, const char *ending, struct stat *info) {
     char path[SP_PATH_MAX];
-    struct stat info;
-} stored_file;
-
-static bool find_file(const sp_store *store, const char *name, const char *ending, stored_file *out) {
-    sp_store_path(store, name, ending, out->path);
-    out->info = (struct stat){0};
-    return stat(out->path, &out->info) == 0;
+    sp_store_path(store, name, ending, path);
+    *info = (struct stat){0};
+    return stat(path, info) == 0;
 }
 
-void sp_store_enter(const sp_store *store, const sp_sample *sample) {
-    stored_file file;
-    if (find_file(store, sample->name, sample->failed ? "failed" : "h5", &file) && S_ISREG(file.info.st_mode))
-        sp_manifest_add(store->manifest, &file.info, sample);
+void sp_store_enter(const sp_store *store, const struct stat *info, const sp_sample *sample) {
+    if (S_ISREG(info->st_mode))
+        sp_manifest_add(store->manifest, info, sample);
+}
+
+static sp_status read_failure(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
+    char path[SP_PATH_MAX];
+    sp_store_path(store, name, "failed", path);
+    return sp_failure_read(path, name, out, err);
 }
 
 /* The results of a sample, or else the record of its failure; from the manifest where that is up to date. */
 static sp_status find_sample(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
-    stored_file file;
+    struct stat info;
     sp_record r;
     /* if the file system does not answer, reading the file will tell */
-    const bool made = find_file(store, name, "h5", &file) || errno != ENOENT;
-    if (!made && !find_file(store, name, "failed", &file))
+    const bool made = sp_store_stat(store, name, "h5", &info) || errno != ENOENT;
+    if (!made && !sp_store_stat(store, name, "failed", &info))
         return sp_fail(err, SP_EIO, "no sample %s in the store %s", name, store->dir);
-    if (sp_manifest_find(store->manifest, name, !made, &file.info, out))
+    if (sp_manifest_find(store->manifest, name, !made, &info, out))
         return SP_OK;
-    sp_status status =
-        made ? sp_store_get(store, name, NULL, false, &r, err) : sp_failure_read(file.path, name, out, err);
+    sp_status status = made ? sp_store_get(store, name, NULL, false, &r, err) : read_failure(store, name, out, err);
     if (status == SP_OK && made) {
         *out = r.sample;
         sp_record_free(&r);
@@ -105,33 +104,33 @@ static sp_status find_sample(const sp_store *store, const char *name, sp_sample 
 }
 
 sp_status sp_store_finished(const sp_store *store, const char *name, sp_sample *out, sp_error *err) {
-    stored_file file;
+    struct stat info;
     sp_record r;
     sp_packing p;
     if (!sp_store_holds(store, name, "h5"))
         return sp_fail(err, SP_EIO, "no finished sample %s in the store %s", name, store->dir);
-    if (find_file(store, name, "h5", &file) && sp_manifest_find(store->manifest, name, false, &file.info, out))
+    if (sp_store_stat(store, name, "h5", &info) && sp_manifest_find(store->manifest, name, false, &info, out))
         return SP_OK;
     sp_status status = sp_store_get(store, name, &p, true, &r, err);
     if (status != SP_OK)
         return status;
     *out = r.sample;
-    sp_store_enter(store, out);
+    sp_store_enter(store, &info, out);
     sp_record_free(&r);
     sp_packing_free(&p);
     return SP_OK;
 }
 
 bool sp_store_has_failed(const sp_store *store, const char *name) {
-    stored_file file;
+    struct stat info;
     sp_sample sample;
-    if (!find_file(store, name, "failed", &file))
+    if (!sp_store_stat(store, name, "failed", &info))
         return false;
-    if (sp_manifest_find(store->manifest, name, true, &file.info, &sample))
+    if (sp_manifest_find(store->manifest, name, true, &info, &sample))
         return true;
-    if (sp_failure_read(file.path, name, &sample, NULL) != SP_OK)
+    if (read_failure(store, name, &sample, NULL) != SP_OK)
         return false;
-    sp_store_enter(store, &sample);
+    sp_store_enter(store, &info, &sample);
     return true;
 }
 

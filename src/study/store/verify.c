@@ -7,15 +7,15 @@
 #include <unistd.h>
 
 /* Checks the record of a failure. If it is sound, *err says why the sample failed. */
-static sp_status check_record(const sp_store *store, const char *name, sp_error *err) {
+static sp_status check_record(const sp_store *store, const char *name, const struct stat *info, sp_error *err) {
     char path[SP_PATH_MAX];
     sp_sample s;
     sp_store_path(store, name, "failed", path);
     sp_status status = sp_failure_read(path, name, &s, err);
-    if (status == SP_OK)
-        sp_store_enter(store, &s);
-    if (status == SP_OK)
+    if (status == SP_OK) {
+        sp_store_enter(store, info, &s);
         sp_fail(err, SP_OK, "%s", s.reason);
+    }
     return status;
 }
 
@@ -23,6 +23,7 @@ static sp_status check_record(const sp_store *store, const char *name, sp_error 
 typedef struct task {
     const char *name;
     bool record;
+    struct stat info; /* from before it was read */
     int64_t done;
     sp_record r;
     sp_packing p;
@@ -36,7 +37,8 @@ static void free_task(task *t) {
 }
 
 static void read_file(const sp_store *store, task *t) {
-    t->status = t->record ? check_record(store, t->name, &t->reason)
+    sp_store_stat(store, t->name, t->record ? "failed" : "h5", &t->info);
+    t->status = t->record ? check_record(store, t->name, &t->info, &t->reason)
                           : sp_store_get(store, t->name, &t->p, true, &t->r, &t->reason);
 }
 
@@ -104,7 +106,7 @@ static sp_status finish_batch(batch *b, sp_error *err) {
     sp_pool_run(b->pool, compute_part, b);
     for (int k = 0; k < b->count; k++) {
         if (b->task[k].status == SP_OK && !b->task[k].record)
-            sp_store_enter(b->store, &b->task[k].r.sample);
+            sp_store_enter(b->store, &b->task[k].info, &b->task[k].r.sample);
         if (status == SP_OK)
             status = report(b->store, b->check, &b->task[k], b->names, err);
         free_task(&b->task[k]);
