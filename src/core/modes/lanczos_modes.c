@@ -297,7 +297,7 @@ static sp_status make_table(const slicer *z, const sp_modes_options *opt, const 
     /* null motions, if they are rows, come before row 0 of the modes found: then first = 0 */
     const sp_mode_pairs set = {.count = z->front + last - first,
                                .ritz = z->ritz + first,
-                               .vectors = opt->vectors ? z->vector + first * z->n : NULL,
+                               .vectors = z->vector ? z->vector + first * z->n : NULL,
                                .zeros = z->front + (first < zeros ? zeros - first : 0),
                                .zero = zero,
                                .rattlers = z->null_rows ? zero.rattlers : 0,

@@ -47,6 +47,8 @@ sp_status sp_slicer_make(const sp_network *net, bool vectors, slicer *out, sp_er
      * far as A times its vector vanishes. */
     z.noise = 64 * DBL_EPSILON * z.top + 8 * omega * z.null.stretch;
     z.modes = z.n - z.null.spins - z.null.rigid;
+    if (status == SP_OK && !(z.ritz = sp_alloc(1, sizeof *z.ritz))) /* where there are no modes, an empty list */
+        status = sp_fail_memory(err, sizeof *z.ritz);
     if (status == SP_OK)
         status = sp_network_assemble(net, &a, err);
     for (int64_t c = 0; status == SP_OK && c < a.n; c++)

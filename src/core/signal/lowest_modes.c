@@ -153,12 +153,14 @@ static void project(sum *q, const double *places, bool source, int count, projec
 static sp_status project_all(sum *q, const double *places, bool source, int32_t count, projection *out, sp_error *err) {
     const int64_t n = q->m.dofs;
     enum { VECTORS = 2 * LANES + 2 };
-    double *rest = sp_alloc(VECTORS, (size_t)n * sizeof *rest), *solved = rest + LANES * n, *work = solved + LANES * n;
-    sp_status status = rest ? SP_OK : sp_fail_memory(err, VECTORS * (size_t)n * sizeof *rest);
-    for (int32_t p = 0; p < count && status == SP_OK; p += LANES)
-        project(q, places + p * n, source, count - p < LANES ? count - p : LANES, out + p, rest, solved, work);
+    double *rest = sp_alloc(VECTORS, (size_t)n * sizeof *rest);
+    if (!rest)
+        return sp_fail_memory(err, VECTORS * (size_t)n * sizeof *rest);
+    for (int32_t p = 0; p < count; p += LANES)
+        project(q, places + p * n, source, count - p < LANES ? count - p : LANES, out + p, rest, rest + LANES * n,
+                rest + 2 * LANES * n);
     sp_free(rest);
-    return status;
+    return SP_OK;
 }
 
 static double error_of(const sum *q, const projection *a, const projection *b) {

@@ -48,14 +48,13 @@ static sp_status make_start(const sp_network *net, const sp_transmission_options
     sp_status status = start && source ? SP_OK : sp_fail_memory(err, 4 * n * sizeof *source);
     if (status == SP_OK && (o->from.kind == SP_PLACE_WALL || o->to.kind == SP_PLACE_WALL))
         status = sp_network_need_walls(net, "transmission from wall to wall", err);
-    double *detector = source + n;
     if (status == SP_OK)
         status = sp_network_source_at(net, o->source, &o->from, source, err);
     if (status == SP_OK)
-        status = sp_network_detector_at(net, &o->to, detector, err);
+        status = sp_network_detector_at(net, &o->to, source + n, err);
     for (size_t k = 0; k < n && status == SP_OK; k++) {
         start[2 * k] = o->source == SP_SOURCE_DISPLACEMENT ? source[k] : source[k] / net->mass[k];
-        start[2 * k + 1] = detector[k] / net->mass[k];
+        start[2 * k + 1] = source[n + k] / net->mass[k];
     }
     sp_free(source);
     if (status == SP_OK)
