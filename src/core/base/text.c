@@ -122,8 +122,8 @@ sp_status sp_lines_next(sp_lines *l, char **line, sp_error *err) {
                        (long long)(stop - start));
     l->next = stop + 1;
     *stop = '\0';
-    if (stop > start && stop[-1] == '\r')
-        stop[-1] = '\0';
+    while (stop > start && stop[-1] == '\r')
+        *--stop = '\0';
     *line = start;
     return SP_OK;
 }

@@ -29,7 +29,7 @@ static int64_t default_max_steps(const compression *run) {
         slowness += fmax(1, pow(sp_compression_stage_pressure(spec, stage) / 1e-4, power));
     double roughness = pow(spec->diameter_max / spec->diameter_min, 1.5) * 0.1 / spec->time_step;
     const double slow = spec->strain_rate > 0 ? fmax(1, 1e-3 / spec->strain_rate) : 1;
-    return (int64_t)(4e6 * layers * slowness * slow * fmax(1, roughness));
+    return (int64_t)fmin(4e6 * layers * slowness * slow * fmax(1, roughness), 1e18);
 }
 
 /* ---- order in memory ----------------------------------------------------------------------------------------- */
