@@ -90,7 +90,7 @@ static sp_sparse sparse_of(const whole *a) {
 static sp_ldl *ldl_of(const whole *a) {
     sp_sparse s = sparse_of(a);
     sp_ldl *f = NULL;
-    assert_ok(sp_ldl_make(&s, &f, &err));
+    assert_ok(sp_ldl_make(&s, NULL, &f, &err));
     sp_sparse_free(&s);
     return f;
 }
@@ -350,16 +350,16 @@ TEST(test_not_finite) {
         for (int q = 0; q < 21; q += 5) {
             const double kept = s.x[q];
             s.x[q] = bad[k];
-            assert_fails(sp_ldl_make(&s, &g, &err), SP_EINVAL, "");
+            assert_fails(sp_ldl_make(&s, NULL, &g, &err), SP_EINVAL, "");
             s.x[q] = kept;
         }
     }
     s.x[0] = s.x[6] = 1e308; /* their sum overflows */
     s.x[1] = 1e308;
-    assert_fails(sp_ldl_make(&s, &g, &err), SP_EINVAL, "");
+    assert_fails(sp_ldl_make(&s, NULL, &g, &err), SP_EINVAL, "");
     assert_null(g);
     s.n = 0;
-    assert_fails(sp_ldl_make(&s, &g, &err), SP_EREFUSED, "0");
+    assert_fails(sp_ldl_make(&s, NULL, &g, &err), SP_EREFUSED, "0");
     s.n = 6;
     sp_sparse_free(&s);
     sp_ldl_free(f);
@@ -370,7 +370,7 @@ TEST(test_no_memory) {
     const whole a = random_matrix(40, 0.2, 4);
     sp_sparse s = sparse_of(&a);
     sp_ldl *f = NULL;
-    EACH_ALLOCATION_FAILS(8, sp_ldl_make(&s, &f, &err), assert_true(!lacks || !f));
+    EACH_ALLOCATION_FAILS(8, sp_ldl_make(&s, NULL, &f, &err), assert_true(!lacks || !f));
     sp_alloc_fail_after(0); /* a factor needs no more */
     assert_ok(sp_ldl_factor(f, -20, &err));
     sp_alloc_fail_after(-1);
@@ -412,7 +412,7 @@ static sp_complex_ldl *complex_ldl_of(const whole *re, const whole *im, double *
             (*values)[2 * q] = *at(re, (int)s.i[q], c);
             (*values)[2 * q + 1] = *at(im, (int)s.i[q], c);
         }
-    assert_ok(sp_complex_ldl_make(&s, &f, &err));
+    assert_ok(sp_complex_ldl_make(&s, NULL, &f, &err));
     sp_sparse_free(&s);
     free(both.x);
     return f;
@@ -488,7 +488,7 @@ TEST(test_complex_without_memory) {
     double *values, b[2 * 3 * ROWS] = {1}, x[2 * 3 * ROWS];
     sp_complex_ldl *f = complex_ldl_of(&a, &nothing, &values), *g = NULL;
     sp_sparse s = sparse_of(&a);
-    EACH_ALLOCATION_FAILS(8, sp_complex_ldl_make(&s, &g, &err), assert_true(!lacks || !g));
+    EACH_ALLOCATION_FAILS(8, sp_complex_ldl_make(&s, NULL, &g, &err), assert_true(!lacks || !g));
     sp_complex_ldl_free(g);
     assert_ok(sp_complex_ldl_factor(f, values, &err));
     EACH_ALLOCATION_FAILS(0, sp_complex_ldl_solve(f, 3, b, x, &err), ); /* what failed can be done again */

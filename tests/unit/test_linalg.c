@@ -115,7 +115,7 @@ static void fill_chain(chain_matrix *m, double middle) {
 
 static sp_ldl *factor_chain(const chain_matrix *m) {
     sp_ldl *f = NULL;
-    assert_ok(sp_ldl_make(&m->a, &f, &err));
+    assert_ok(sp_ldl_make(&m->a, NULL, &f, &err));
     assert_ok(sp_ldl_factor(f, 0, &err));
     return f;
 }
@@ -157,7 +157,7 @@ TEST(test_least_ratio) {
             if (scaled)
                 scale_chain(&m);
             sp_ldl *f = NULL;
-            assert_ok(sp_ldl_make(&m.a, &f, &err));
+            assert_ok(sp_ldl_make(&m.a, NULL, &f, &err));
             if (sp_ldl_factor(f, 0, NULL) == SP_OK)
                 assert_true((sp_ldl_least_ratio(f, &m.a) > 1e-13) == held);
             else

@@ -54,7 +54,7 @@ TEST(orderings_leave_handlers_alone) {
     signal(SIGABRT, handler);
     signal(SIGINT, handler);
     assert_int_equal(pthread_create(&thread, NULL, look, NULL), 0);
-    assert_ok(sp_supernodes_make(&a, &s, &err));
+    assert_ok(sp_supernodes_make(&a, NULL, &s, &err));
     atomic_store(&done, true);
     pthread_join(thread, NULL);
     assert_int_equal(atomic_load(&replaced), 0);

@@ -154,7 +154,7 @@ static sp_status factorize(sp_equilibrium *e, sp_error *err) {
     shift_diagonal(e, &k);
     hold_spins(e, &k);
     if (!e->factor)
-        status = sp_ldl_make(&k, &e->factor, err);
+        status = sp_ldl_make(&k, e->net, &e->factor, err);
     if (status == SP_OK)
         status = factor_positive(e->factor, &k, err);
     sp_free(k.x);

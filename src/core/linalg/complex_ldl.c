@@ -25,12 +25,12 @@ struct sp_complex_ldl {
     number *work, *part;             /* [n][most], rows of a supernode [rows][most] */
 };
 
-sp_status sp_complex_ldl_make(const sp_sparse *a, sp_complex_ldl **out, sp_error *err) {
+sp_status sp_complex_ldl_make(const sp_sparse *a, const sp_network *net, sp_complex_ldl **out, sp_error *err) {
     sp_complex_ldl *f = sp_alloc(1, sizeof *f);
     if (!f)
         return sp_fail_memory(err, sizeof *f);
     f->entries = a->p[a->n];
-    sp_status status = sp_supernodes_make(a, &f->s, err);
+    sp_status status = sp_supernodes_make(a, net, &f->s, err);
     if (status == SP_OK)
         status = panel_work_make(&f->s, &f->memory, err);
     if (status == SP_OK) {

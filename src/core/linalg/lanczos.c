@@ -218,9 +218,10 @@ static sp_status ritz(lanczos *z, sp_error *err) {
 
 static double value_of(const lanczos *z, int64_t k) { return sp_ldl_sigma(z->factor) + 1 / z->theta[k]; }
 
-/* Number of Ritz values in the interval that converged, up to the first that did not. */
-static int64_t converged(const lanczos *z) {
-    int64_t count = 0;
+/* Number of Ritz values in the interval that converged, up to the first that did not. *missing: how many more it takes.
+ */
+static int64_t converged(const lanczos *z, int64_t *missing) {
+    int64_t count = 0, below = 0;
     for (int64_t q = 0; q < z->m; q++) {
         const int64_t k = z->rank[q];
         const double value = value_of(z, k);
@@ -230,7 +231,11 @@ static int64_t converged(const lanczos *z) {
         if (!(z->residual[k] <= z->spec->tolerance * fabs(z->theta[k]) * fmin(1, own)))
             break;
         count++;
+        below += z->theta[k] < 0;
     }
+    *missing = z->spec->wanted - count;
+    if (*missing < z->spec->below - below)
+        *missing = z->spec->below - below;
     return count;
 }
 
@@ -356,13 +361,14 @@ static sp_status iterate(lanczos *z, sp_error *err) {
         sp_status status = ritz(z, err);
         if (status != SP_OK)
             return status;
-        const int64_t count = converged(z);
-        if (count >= wanted)
+        int64_t missing;
+        const int64_t count = converged(z, &missing);
+        if (missing <= 0)
             return extract_pairs(z, count, err);
         const double slope = (double)(count - before + 1) / (double)(z->m - then);
         before = count;
         then = z->m;
-        check = z->m + columns_until_check(z, wanted - count, slope);
+        check = z->m + columns_until_check(z, missing, slope);
         if (full) {
             if (restarts++ == RESTARTS_MAX)
                 return sp_fail(err, SP_EREFUSED, "Lanczos: %lld of %lld modes near omega^2 = %.6g converged",

@@ -7,6 +7,7 @@
 typedef struct sp_lanczos_spec {
     double low, high;     /* open interval of the wanted eigenvalues of A */
     int64_t wanted;       /* minimum number of pairs; those nearest to the shift if the interval holds more */
+    int64_t below;        /* and at least as many below the shift (ARPACK does not look at it) */
     double tolerance;     /* |A x - lambda x| <= tolerance times |lambda - sigma|, and times max(|lambda|, floor) */
     double floor;         /* > 0 */
     int64_t locked_count; /* number of known eigenvectors; the search is orthogonal to them */

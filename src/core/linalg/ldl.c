@@ -49,7 +49,7 @@ static sp_status find_size(const sp_sparse *a, double *size, sp_error *err) {
                           : sp_fail(err, SP_EINVAL, "sparse eigenproblem: an entry of the matrix is not finite");
 }
 
-sp_status sp_ldl_make(const sp_sparse *a, sp_ldl **out, sp_error *err) {
+sp_status sp_ldl_make(const sp_sparse *a, const sp_network *net, sp_ldl **out, sp_error *err) {
     double size = 0;
     sp_status status = find_size(a, &size, err);
     if (status != SP_OK)
@@ -59,7 +59,7 @@ sp_status sp_ldl_make(const sp_sparse *a, sp_ldl **out, sp_error *err) {
         return sp_fail_memory(err, sizeof *f);
     f->size = size;
     f->entries = a->p[a->n];
-    status = sp_supernodes_make(a, &f->s, err);
+    status = sp_supernodes_make(a, net, &f->s, err);
     if (status == SP_OK)
         status = panel_work_make(&f->s, &f->memory, err);
     if (status == SP_OK) {

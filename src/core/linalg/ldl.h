@@ -9,8 +9,9 @@ enum { SP_LDL_LANES = 8 }; /* right-hand sides per solve */
 
 typedef struct sp_ldl sp_ldl;
 
-/* Orders the matrix and finds the pattern of the factor, for all sigma. Keeps a copy of a. */
-sp_status sp_ldl_make(const sp_sparse *a, sp_ldl **out, sp_error *err);
+/* Orders the matrix and finds the pattern of the factor, for all sigma. Keeps a copy of a. net: as for
+ * sp_supernodes_make. */
+sp_status sp_ldl_make(const sp_sparse *a, const sp_network *net, sp_ldl **out, sp_error *err);
 /* Replaces A by another matrix with the same pattern. SP_EINVAL for entries that are not finite. */
 sp_status sp_ldl_set(sp_ldl *f, const sp_sparse *a, sp_error *err);
 /* Factors A - sigma; replaces the last factor. SP_EREFUSED if a pivot is zero (rows are not exchanged); try a sigma

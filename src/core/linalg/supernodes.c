@@ -2,9 +2,9 @@
 #include "linalg/supernodes.h"
 
 #include "base/base.h"
+#include "linalg/dissection.h"
 
 #include <cholmod.h>
-#include <sonopack/sparse.h>
 #include <string.h>
 
 /* CHOLMOD takes 64-bit indices here; an ordering does not read the values. stype -1: lower triangle. */
@@ -98,10 +98,40 @@ static sp_status find_places(const sp_sparse *a, sp_supernodes *s, sp_error *err
     return SP_OK;
 }
 
+/* AMD's order, where it takes few operations: looking for a better one takes as long as some 10^9 of them. */
+static const double FEW_OPERATIONS = 2e9;
+
+/* The order of nested dissection, with AMD's inside the parts (CAMD), if it takes fewer operations than `l', which is
+ * then replaced. */
+static sp_status try_dissection(cholmod_sparse *m, const sp_network *net, cholmod_factor **l, cholmod_common *common,
+                                sp_error *err) {
+    const size_t n = m->nrow;
+    const double operations = common->fl;
+    SuiteSparse_long *part = sp_alloc(2 * n, sizeof *part), *order = part ? part + n : NULL;
+    int32_t *of = sp_alloc((size_t)net->n, sizeof *of);
+    sp_status status = part && of ? sp_dissect(net, of, err) : sp_fail_memory(err, 24 * n);
+    if (status == SP_OK) {
+        for (size_t k = 0; k < n; k++)
+            part[k] = of[k / (size_t)net->dof];
+        common->method[0].ordering = CHOLMOD_GIVEN;
+        cholmod_factor *other =
+            cholmod_l_camd(m, NULL, 0, part, order, common) ? cholmod_l_analyze_p(m, order, NULL, 0, common) : NULL;
+        if (!other)
+            status = cholmod_failed(common, err);
+        const bool fewer = other && common->fl < operations;
+        cholmod_l_free_factor(fewer ? l : &other, common);
+        if (fewer)
+            *l = other;
+    }
+    sp_free(part);
+    sp_free(of);
+    return status;
+}
+
 /* Fraction of zeros in a supernode that is merged from others of together up to 4, 16, 48 columns. */
 static const double zeros_allowed[] = {0.2, 0.03, 0.02};
 
-sp_status sp_supernodes_make(const sp_sparse *a, sp_supernodes *out, sp_error *err) {
+sp_status sp_supernodes_make(const sp_sparse *a, const sp_network *net, sp_supernodes *out, sp_error *err) {
     cholmod_common common;
     sp_supernodes s = {0};
     if (a->n < 1 || a->n >= INT32_MAX)
@@ -116,7 +146,11 @@ sp_status sp_supernodes_make(const sp_sparse *a, sp_supernodes *out, sp_error *e
         common.zrelax[k] = zeros_allowed[k];
     cholmod_sparse *m = copy_pattern(a, &common);
     cholmod_factor *l = m ? cholmod_l_analyze(m, &common) : NULL;
-    sp_status status = l ? allocate(a, l, &s, err) : cholmod_failed(&common, err);
+    sp_status status = l ? SP_OK : cholmod_failed(&common, err);
+    if (status == SP_OK && net && common.fl > FEW_OPERATIONS)
+        status = try_dissection(m, net, &l, &common, err);
+    if (status == SP_OK)
+        status = allocate(a, l, &s, err);
     if (status == SP_OK) {
         copy_structure(l, &s);
         status = find_places(a, &s, err);

@@ -3,7 +3,7 @@
 /* Ordering and symbolic factorization of a sparse symmetric matrix (CHOLMOD), for factors of any kind of number.
  * Columns of the factor with the same rows form a supernode, stored as one dense panel. */
 
-#include <sonopack/sparse.h>
+#include <sonopack/network.h>
 #include <sonopack/status.h>
 
 typedef struct sp_supernodes {
@@ -19,9 +19,11 @@ typedef struct sp_supernodes {
         largest_update; /* values of the largest panel, and of the largest update of one by another */
 } sp_supernodes;
 
-/* a: the lower triangle. A panel is stored by rows, [rows][width]. SP_ENOMEM; SP_EREFUSED if the factor is too large.
+/* a: the lower triangle. net: the network that it is a matrix of, with rows for all its degrees of freedom, or NULL;
+ * the order is that of the fewer operations among AMD's and, where there are many, that by the places of the grains. A
+ * panel is stored by rows, [rows][width]. SP_ENOMEM; SP_EREFUSED if the factor is too large.
  */
-sp_status sp_supernodes_make(const sp_sparse *a, sp_supernodes *out, sp_error *err);
+sp_status sp_supernodes_make(const sp_sparse *a, const sp_network *net, sp_supernodes *out, sp_error *err);
 void sp_supernodes_free(sp_supernodes *s);
 
 static inline int32_t sp_supernode_width(const sp_supernodes *s, int64_t k) { return s->first[k + 1] - s->first[k]; }

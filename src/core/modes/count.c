@@ -30,7 +30,7 @@ sp_status sp_counter_make(const sp_network *net, counter *out, sp_error *err) {
     /* An entry is a sum over a few springs, each within a few roundings of a diagonal entry, which is below top. A row
      * of the whole matrix has about twice the entries of a column of its lower triangle. */
     c.noise = DBL_EPSILON * c.top * 16 * sqrt(2 * (double)longest);
-    status = sp_ldl_make(&a, &c.ldl, err);
+    status = sp_ldl_make(&a, net, &c.ldl, err);
     sp_sparse_free(&a);
     if (status == SP_OK)
         *out = c;

@@ -56,7 +56,7 @@ sp_status sp_slicer_make(const sp_network *net, bool vectors, slicer *out, sp_er
             a.x[k] /= sqrt(net->mass[c] * net->mass[a.i[k]]);
     if (status == SP_OK) {
         lift_spins(&z, &a);
-        status = sp_ldl_make(&a, &z.ldl, err);
+        status = sp_ldl_make(&a, net, &z.ldl, err);
     }
     sp_sparse_free(&a);
     if (status == SP_OK)
@@ -348,6 +348,25 @@ static sp_status lowest_by_slices(slicer *z, int64_t count, double guess, slice_
     return status;
 }
 
+/* Appends the modes up to a gap after at least `count` of them, if their number below it is certified. */
+static sp_status append_up_to_gap(slicer *z, const sp_lanczos_pairs *p, int64_t count, slice_edge *end, bool *proved,
+                                  sp_error *err) {
+    const int64_t cut = widest_gap(p, count);
+    const double low = p->value[cut - 1], high = p->value[cut], gap = high - low;
+    sp_status status = SP_OK;
+    *proved = gap > 1e-7 * high + 100 * z->noise;
+    if (*proved) {
+        status = sp_slicer_edge(z, low + 0.25 * gap, high - 0.25 * gap, end, err);
+        *proved = status == SP_OK && end->below == cut;
+        status = status == SP_EREFUSED ? SP_OK : status;
+    }
+    if (status == SP_OK && *proved)
+        status = reserve(z, cut, err);
+    if (status == SP_OK && *proved)
+        status = append(z, p, cut, -HUGE_VAL, end->sigma - end->error, err);
+    return status;
+}
+
 /* Few modes, from one basis at a shift below the spectrum. Falls back to slices, each with a known number of modes, if
  * the count shows that modes are missing (copies of degenerate ones) or if there is no gap for a count. */
 static sp_status lowest_of_one_basis(slicer *z, int64_t count, slice_edge *end, sp_error *err) {
@@ -368,75 +387,77 @@ static sp_status lowest_of_one_basis(slicer *z, int64_t count, slice_edge *end, 
     }
     if (status != SP_OK)
         return status;
-    const int64_t cut = widest_gap(&p, count);
-    const double low = p.value[cut - 1], high = p.value[cut], gap = high - low;
-    bool proved = gap > 1e-7 * high + 100 * z->noise;
-    if (proved) {
-        status = sp_slicer_edge(z, low + 0.25 * gap, high - 0.25 * gap, end, err);
-        proved = status == SP_OK && end->below == cut;
-        status = status == SP_EREFUSED ? SP_OK : status;
-    }
-    if (status == SP_OK && proved)
-        status = reserve(z, cut, err);
-    if (status == SP_OK && proved)
-        status = append(z, &p, cut, -HUGE_VAL, end->sigma - end->error, err);
+    const double next = p.value[p.count - 1];
+    bool proved;
+    status = append_up_to_gap(z, &p, count, end, &proved, err);
     sp_lanczos_free(&p);
-    return status == SP_OK && !proved ? lowest_by_slices(z, count, 1.05 * high, end, err) : status;
+    return status == SP_OK && !proved ? lowest_by_slices(z, count, 1.05 * next, end, err) : status;
 }
 
 /* Below this fraction of the upper edge, a shift in the middle gives modes too inexactly. */
 static const double MUCH_SOFTER = 1e-5;
 
-/* Cheaper than a shift below the spectrum, since a shift in the middle has wanted modes on both sides: guesses an edge
- * above the modes, counts, and solves with one basis. *found stays false if the guesses fail, if some modes are much
- * softer than the rest, or if modes are too near the edge. *soft: number of modes that are much softer, zero modes
- * among them; unchanged if it was not found. */
+/* A shift with some of the `count` lowest modes below it: those within its own distance from it, on both sides, are
+ * then about as many as wanted, if their number grows like sigma^(dim/2). A factorization costs about as much as ten
+ * additional modes. *found stays false if the guesses fail. */
+static sp_status find_middle(slicer *z, int64_t count, slice_edge *out, bool *found, sp_error *err) {
+    const double aim = pow(0.5, 0.6 * z->net->dim) * ((double)count + SPARE);
+    double guess = sp_slicer_guess(z, aim), power = 2.0 / z->net->dim;
+    slice_edge now = {0};
+    *found = false;
+    for (int k = 0; k < 5 && guess < z->top && guess > 1e6 * z->noise; k++) {
+        const slice_edge before = now;
+        const sp_status status = sp_slicer_edge(z, 0.97 * guess, 1.03 * guess, &now, err);
+        if (status != SP_OK)
+            return status;
+        const double ratio = (double)now.below / aim;
+        *found = ratio > 0.5 && ratio < 1.3;
+        if (*found)
+            break;
+        if (before.below > 0 && now.below > 0 && before.below != now.below) /* two counts give the local exponent */
+            power = fmin(fmax(log(now.sigma / before.sigma) / log((double)now.below / (double)before.below), 0.05), 3);
+        guess *= fmax(0.1, fmin(5, pow(1 / fmax(1 / aim, ratio), power)));
+    }
+    /* zero modes may leave no such shift; the search then tells how many they are */
+    *found = *found || (now.below > 0 && now.below <= 2 * (count + SPARE));
+    *out = now;
+    return SP_OK;
+}
+
+/* Cheaper than a shift below the spectrum, since a shift in the middle has wanted modes on both sides. *found stays
+ * false if the guesses fail, if some modes are much softer than the rest, or if no gap is found above the modes. *soft:
+ * number of modes that are much softer, zero modes among them; unchanged if it was not found. */
 static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end, bool *found, int64_t *soft,
                                       sp_error *err) {
-    const double aim = 1.05 * (double)count + SPARE / 2;
-    double guess = sp_slicer_guess(z, aim);
-    slice_edge top = {0}, middle;
+    slice_edge middle;
     sp_lanczos_pairs p = {0};
     sp_error reason = {0};
-    sp_status status = SP_OK;
-    *found = false;
-    /* a factorization costs about as much as ten additional modes */
-    double power = 2.0 / z->net->dim;
-    for (int k = 0; k < 5 && status == SP_OK && (top.below < count || top.below > count + count / 6 + SPARE); k++) {
-        const slice_edge before = top;
-        if (!(guess < z->top && guess > 1e6 * z->noise))
-            return SP_OK;
-        status = sp_slicer_edge(z, 0.99 * guess, 1.01 * guess, &top, &reason);
-        if (before.below > 0 && top.below > 0 && before.below != top.below) /* two counts give the local exponent */
-            power = fmin(fmax(log(top.sigma / before.sigma) / log((double)top.below / (double)before.below), 0.05), 3);
-        guess *= fmax(0.1, fmin(5, pow(aim / fmax(1, (double)top.below), power)));
-    }
-    if (status == SP_OK && (top.below < count || top.below > 2 * (count + SPARE)))
+    sp_status status = find_middle(z, count, &middle, found, &reason);
+    if (status == SP_OK && !*found)
         return SP_OK;
-    if (status == SP_OK)
-        status = sp_slicer_edge(z, 0.45 * top.sigma, 0.55 * top.sigma, &middle, &reason);
+    *found = false;
     if (status == SP_OK) {
         const sp_lanczos_spec spec = {.low = -HUGE_VAL,
-                                      .high = top.sigma,
-                                      .wanted = top.below,
+                                      .high = HUGE_VAL,
+                                      .wanted = count + SPARE,
+                                      .below = middle.below,
                                       .tolerance = z->tolerance,
-                                      .floor = 1e-4 * top.sigma};
+                                      .floor = 2e-4 * middle.sigma};
         status = search(z, spec, &p, &reason);
     }
     if (status == SP_EREFUSED)
         return SP_OK;
     if (status != SP_OK)
         return sp_fail(err, status, "%s", reason.text);
-    if (p.count == top.below)
-        for (*soft = 0; *soft < p.count && p.value[*soft] <= MUCH_SOFTER * top.sigma;)
-            ++*soft;
-    if (p.count == top.below && p.value[0] > MUCH_SOFTER * top.sigma &&
-        p.value[p.count - 1] < top.sigma - 2 * top.error - 1e-9 * top.sigma) {
-        status = reserve(z, p.count, err);
-        if (status == SP_OK)
-            status = append(z, &p, p.count, -HUGE_VAL, top.sigma - top.error, err);
-        *end = top;
-        *found = status == SP_OK;
+    int64_t below = 0, softer = 0;
+    while (below < p.count && p.value[below] < middle.sigma)
+        below++;
+    while (softer < below && p.value[softer] <= 2 * MUCH_SOFTER * middle.sigma)
+        softer++;
+    if (below == middle.below) {
+        *soft = softer;
+        if (softer == 0)
+            status = append_up_to_gap(z, &p, count, end, found, err);
     }
     sp_lanczos_free(&p);
     return status;

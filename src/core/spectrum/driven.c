@@ -102,7 +102,7 @@ sp_status sp_driven_make(const sp_network *net, const sp_network *dashpots, driv
         fill_values(&k, &d, next, d.a, d.size_a);
         if (dashpots)
             fill_values(&c, &d, next, d.c, d.size_c);
-        status = sp_complex_ldl_make(&k, &d.ldl, err);
+        status = sp_complex_ldl_make(&k, net, &d.ldl, err);
     }
     sp_free(next);
     sp_sparse_free(&c);
