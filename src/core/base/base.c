@@ -5,6 +5,7 @@
 #include <sonopack/version.h>
 #include <stdarg.h>
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,7 +109,7 @@ void sp_alloc_fail_after(int64_t count) { atomic_store(&fail_after, count); }
 /* Blocks of HUGE_FROM bytes or more use pages of 2 MiB where the system offers them. */
 enum { HUGE_PAGE = 2 << 20, HUGE_FROM = 16 << 20 };
 
-void *sp_alloc(size_t count, size_t size) {
+static void *allocate(size_t count, size_t size, bool zeroed) {
     if (atomic_load(&fail_after) >= 0 && atomic_fetch_sub(&fail_after, 1) == 0)
         return NULL;
     if (count == 0)
@@ -124,10 +125,13 @@ void *sp_alloc(size_t count, size_t size) {
     if (memory && align == HUGE_PAGE)
         madvise(memory, bytes, MADV_HUGEPAGE); /* only a hint; it saves most of the page faults and address lookups */
 #endif
-    if (memory)
+    if (memory && zeroed)
         memset(memory, 0, bytes);
     return memory;
 }
+
+void *sp_alloc(size_t count, size_t size) { return allocate(count, size, true); }
+void *sp_alloc_bare(size_t count, size_t size) { return allocate(count, size, false); }
 
 void sp_free(void *memory) { free(memory); }
 

@@ -25,6 +25,9 @@ SP_SHARED sp_status sp_fail_prefix_key(sp_error *err, const char *key);
 /* Allocates zeroed memory for count elements of size bytes, aligned to 64 bytes. A count of 0 gives one element.
  * Returns NULL if memory is short or the size overflows. Free it with sp_free. */
 SP_SHARED void *sp_alloc(size_t count, size_t size);
+/* The same without zeroing, for large arrays that are written before they are read: what is never touched takes no
+ * memory. */
+SP_SHARED void *sp_alloc_bare(size_t count, size_t size);
 /* Makes sure that a growing array has at least `need` elements. Returns `array` itself if *capacity is large enough.
  * Otherwise copies it to a new array of at least twice the capacity, with the new elements zeroed, frees the old one
  * and updates *capacity. `array` may be NULL with *capacity = 0. Returns NULL if memory is short; `array` and *capacity

@@ -20,7 +20,7 @@ typedef struct lanczos {
     const sp_lanczos_spec *spec;
     int64_t n, capacity, m;  /* m: columns of the basis with products in h, last block included */
     int64_t first;           /* first column that overlaps with the product of the last block in exact arithmetic */
-    double *basis;           /* [capacity + BLOCK][n] */
+    double *basis;           /* [capacity][n] */
     double *h;               /* basis^T (A - sigma)^-1 basis by columns: upper triangle, leading dimension capacity */
     double *next;            /* [BLOCK][n] products that become the next block */
     double *copy;            /* [BLOCK][n] */
@@ -29,7 +29,7 @@ typedef struct lanczos {
     double *small, *theta,
         *residual;  /* eigenvectors [m][m] of h by columns, its eigenvalues, |b s| of each eigenvector s */
     int64_t *rank;  /* Ritz pairs in descending order of |theta| */
-    double *memory; /* of all arrays except rank */
+    double *memory; /* of all arrays except basis and rank */
     uint64_t random;
     sp_lanczos_pairs *out;
 } lanczos;
@@ -283,7 +283,7 @@ static sp_status extract_pairs(lanczos *z, int64_t count, sp_error *err) {
     sp_lanczos_pairs *p = z->out;
     sp_status status = SP_OK;
     p->value = sp_alloc((size_t)count, sizeof *p->value);
-    p->vector = sp_alloc((size_t)count, (size_t)n * sizeof *p->vector);
+    p->vector = sp_alloc_bare((size_t)count, (size_t)n * sizeof *p->vector);
     if (!chosen || !tail || !which || !p->value || !p->vector) {
         status = sp_fail_memory(err, (size_t)(count * (n + m + BLOCK + 2)) * sizeof *chosen);
         goto out;
@@ -319,17 +319,15 @@ out:
 static sp_status allocate(lanczos *z, sp_error *err) {
     const size_t n = (size_t)z->n, capacity = (size_t)z->capacity;
     const size_t overlap = capacity > (size_t)z->spec->locked_count ? capacity : (size_t)z->spec->locked_count;
-    const sp_array arrays[] = {{&z->basis, capacity * n},
-                               {&z->next, BLOCK * n},
-                               {&z->copy, BLOCK * n},
-                               {&z->h, capacity * capacity},
-                               {&z->small, capacity * capacity},
-                               {&z->overlap, overlap * BLOCK},
-                               {&z->theta, capacity},
-                               {&z->residual, capacity},
-                               {0}};
+    const sp_array arrays[] = {{&z->next, BLOCK * n},          {&z->copy, BLOCK * n},
+                               {&z->h, capacity * capacity},   {&z->small, capacity * capacity},
+                               {&z->overlap, overlap * BLOCK}, {&z->theta, capacity},
+                               {&z->residual, capacity},       {0}};
     z->rank = sp_alloc(capacity, sizeof *z->rank);
-    return z->rank ? sp_arrays_make(arrays, &z->memory, err) : sp_fail_memory(err, capacity * sizeof *z->rank);
+    z->basis = sp_alloc_bare(capacity, n * sizeof *z->basis); /* most searches need a part of it */
+    if (!z->rank || !z->basis)
+        return sp_fail_memory(err, capacity * (n + 1) * sizeof *z->basis);
+    return sp_arrays_make(arrays, &z->memory, err);
 }
 
 static void append(lanczos *z) {
@@ -341,10 +339,12 @@ static void append(lanczos *z) {
  * than once too often. */
 static bool is_costly(const lanczos *z, int64_t m) { return m * m > 6 * z->n; }
 
-/* Columns until the next look. The number of converged pairs grows in proportion to that of further columns. */
+/* Columns until the next look. The number of converged pairs grows in proportion to that of further columns, or faster:
+ * where looks are cheap they are not far apart. */
 static int64_t columns_until_check(const lanczos *z, int64_t missing, double slope) {
-    const double more = is_costly(z, z->m) ? 1.15 * (double)missing / slope + BLOCK : 0.9 * (double)missing / slope;
-    return (int64_t)fmin(fmax(more, BLOCK), 0.25 * (double)z->m);
+    const bool costly = is_costly(z, z->m);
+    const double more = costly ? 1.15 * (double)missing / slope + BLOCK : 0.9 * (double)missing / slope;
+    return (int64_t)fmin(fmax(more, BLOCK), (costly ? 0.25 : 0.08) * (double)z->m);
 }
 
 static sp_status iterate(lanczos *z, sp_error *err) {
@@ -404,6 +404,7 @@ sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_
         status = iterate(&z, err);
     }
     sp_free(z.memory);
+    sp_free(z.basis);
     sp_free(z.rank);
     if (status == SP_OK)
         *out = pairs;

@@ -65,7 +65,7 @@ sp_status sp_ldl_make(const sp_sparse *a, const sp_network *net, sp_ldl **out, s
     if (status == SP_OK) {
         const size_t n = (size_t)a->n, values = (size_t)f->s.value_at[f->s.count];
         f->entry = sp_alloc((size_t)f->entries, sizeof *f->entry);
-        f->value = sp_alloc(values, sizeof *f->value);
+        f->value = sp_alloc_bare(values, sizeof *f->value);
         f->pivot = sp_alloc(n, sizeof *f->pivot);
         f->work = sp_alloc(n, LANES * sizeof *f->work);
         if (f->entry && f->value && f->pivot && f->work)

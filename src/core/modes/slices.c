@@ -89,7 +89,7 @@ static sp_status reserve(slicer *z, int64_t count, sp_error *err) {
     z->vector = NULL;
     z->ritz = sp_alloc(rows, sizeof *z->ritz);
     if (z->vectors)
-        z->vector = sp_alloc(rows, (size_t)z->n * sizeof *z->vector);
+        z->vector = sp_alloc_bare(rows, (size_t)z->n * sizeof *z->vector);
     if (!z->ritz || (z->vectors && !z->vector))
         return sp_fail_memory(err, (size_t)bytes);
     for (int64_t k = 0; k < z->front; k++) {
@@ -397,11 +397,11 @@ static sp_status lowest_of_one_basis(slicer *z, int64_t count, slice_edge *end, 
 /* Below this fraction of the upper edge, a shift in the middle gives modes too inexactly. */
 static const double MUCH_SOFTER = 1e-5;
 
-/* A shift with some of the `count` lowest modes below it: those within its own distance from it, on both sides, are
- * then about as many as wanted, if their number grows like sigma^(dim/2). A factorization costs about as much as ten
- * additional modes. *found stays false if the guesses fail. */
+/* A shift such that about as many modes as wanted lie within its own distance from it. A factorization costs about as
+ * much as ten additional modes, in space as forty. *found stays false if the guesses fail. */
 static sp_status find_middle(slicer *z, int64_t count, slice_edge *out, bool *found, sp_error *err) {
-    const double aim = pow(0.5, 0.6 * z->net->dim) * ((double)count + SPARE);
+    /* of the modes up to twice the shift this part lies below it; less than by Debye's law, for the softest are few */
+    const double wanted = (double)(count + SPARE), aim = (z->net->dim == 3 ? 0.29 : 0.4) * wanted;
     double guess = sp_slicer_guess(z, aim), power = 2.0 / z->net->dim;
     slice_edge now = {0};
     *found = false;
@@ -410,22 +410,48 @@ static sp_status find_middle(slicer *z, int64_t count, slice_edge *out, bool *fo
         const sp_status status = sp_slicer_edge(z, 0.97 * guess, 1.03 * guess, &now, err);
         if (status != SP_OK)
             return status;
-        const double ratio = (double)now.below / aim;
-        *found = ratio > 0.5 && ratio < 1.3;
-        if (*found)
-            break;
         if (before.below > 0 && now.below > 0 && before.below != now.below) /* two counts give the local exponent */
             power = fmin(fmax(log(now.sigma / before.sigma) / log((double)now.below / (double)before.below), 0.05), 3);
+        const double ratio = (double)now.below / aim;
+        *found = ratio > 0.65 && ratio < 1.3;
+        if (*found)
+            break;
         guess *= fmax(0.1, fmin(5, pow(1 / fmax(1 / aim, ratio), power)));
     }
     /* zero modes may leave no such shift; the search then tells how many they are */
-    *found = *found || (now.below > 0 && now.below <= 2 * (count + SPARE));
+    *found = *found || (now.below > 0 && (double)now.below <= 2 * wanted);
     *out = now;
     return SP_OK;
 }
 
+/* A shift in the middle gives the `soft` first pairs too inexactly: finds them again from a shift below the spectrum,
+ * orthogonal to the others. *found: whether there are as many again. */
+static sp_status find_soft_again(slicer *z, sp_lanczos_pairs *p, int64_t soft, bool *found, sp_error *err) {
+    slice_edge bottom;
+    sp_lanczos_pairs q = {0};
+    const double cutoff = 0.5 * (p->value[soft - 1] + p->value[soft]);
+    sp_status status = sp_slicer_bottom(z, 1e-3 * p->value[p->count - 1], &bottom, err);
+    if (status == SP_OK) {
+        const sp_lanczos_spec spec = {.low = bottom.sigma,
+                                      .high = cutoff,
+                                      .wanted = soft,
+                                      .tolerance = z->tolerance,
+                                      .floor = -bottom.sigma,
+                                      .locked_count = p->count - soft,
+                                      .locked = p->vector + soft * z->n};
+        status = search(z, spec, &q, err);
+    }
+    *found = status == SP_OK && q.count == soft;
+    if (*found) {
+        memcpy(p->value, q.value, (size_t)soft * sizeof *q.value);
+        memcpy(p->vector, q.vector, (size_t)(soft * z->n) * sizeof *q.vector);
+    }
+    sp_lanczos_free(&q);
+    return status == SP_EREFUSED ? SP_OK : status;
+}
+
 /* Cheaper than a shift below the spectrum, since a shift in the middle has wanted modes on both sides. *found stays
- * false if the guesses fail, if some modes are much softer than the rest, or if no gap is found above the modes. *soft:
+ * false if the guesses fail, if many modes are much softer than the rest, or if no gap is found above the modes. *soft:
  * number of modes that are much softer, zero modes among them; unchanged if it was not found. */
 static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end, bool *found, int64_t *soft,
                                       sp_error *err) {
@@ -455,9 +481,12 @@ static sp_status lowest_around_middle(slicer *z, int64_t count, slice_edge *end,
     while (softer < below && p.value[softer] <= 2 * MUCH_SOFTER * middle.sigma)
         softer++;
     if (below == middle.below) {
+        bool precise = softer == 0;
         *soft = softer;
-        if (softer == 0)
-            status = append_up_to_gap(z, &p, count, end, found, err);
+        if (softer > 0 && p.count > count + softer) /* they may be zero modes, in the places of others */
+            status = find_soft_again(z, &p, softer, &precise, err);
+        if (status == SP_OK && precise)
+            status = append_up_to_gap(z, &p, count + softer, end, found, err);
     }
     sp_lanczos_free(&p);
     return status;
