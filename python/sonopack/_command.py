@@ -30,10 +30,12 @@ STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # signals that end a com
 
 #: the module of each command
 MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command",
-           "pack-lammps": "formats.engine", "bench": "bench", "save-table": "formats.tables"}
+           "pack-lammps": "formats.engine", "modes-slepc": "engines.modes",
+           "signal-petsc": "engines.signals", "bench": "bench", "save-table": "formats.tables"}
 
 #: which Debian package brings a module
-DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py"}
+DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",
+          "petsc4py": "python3-petsc4py-real", "slepc4py": "python3-slepc4py-real"}
 
 
 

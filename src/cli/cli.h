@@ -112,6 +112,8 @@ extern const cli_syntax cmd_amplitude_syntax, cmd_chain_syntax, cmd_check_syntax
     cmd_sensitivity_syntax, cmd_signal_syntax, cmd_spectrum_syntax, cmd_statics_syntax, cmd_study_syntax,
     cmd_table_syntax, cmd_transport_syntax, cmd_uncertainty_syntax, cmd_wave_syntax;
 cli_command cmd_dispatch; /* executes `sonopack-NAME' of the Python package */
+/* The same for a rank of an engine, "sonopack NAME", whose libraries shall start no threads. */
+int cmd_engine(const char *name, int argc, char **argv);
 
 /* The commands, in the order of the overview. */
 typedef struct cli_command_row {

@@ -17,6 +17,7 @@ typedef struct arguments {
     cli_common common;
     bool frequencies_only, stability, zero;
     int source, solver; /* sp_source, sp_modes_solver */
+    int engine;         /* 1: SLEPc */
     sp_modes_range range;
     bool part;          /* --lowest or --band */
     int ranges;         /* how many of --lowest and --band */
@@ -225,6 +226,8 @@ static sp_status check(void *user, sp_error *err) {
     return SP_OK;
 }
 
+static const char *const engine_words[] = {"sonopack", "slepc", NULL};
+
 static const cli_option options[] = {
     {"all", NULL, "All modes (the default)", .parse = add_all},
     {"lowest", "K", "Only the K lowest modes that are no zero modes; n starts after those", .parse = set_lowest},
@@ -252,6 +255,9 @@ static const cli_option options[] = {
     {"source", "impulse|velocity|displacement", "Kind of source for the amplitudes a (impulse)", CLI_CHOICE,
      CLI_FIELD(source), .words = cli_source_names},
     CLI_DRY_RUN,
+    {.help = "Beyond one machine (docs/cluster.md):"},
+    {"engine", "sonopack|slepc", "Program that finds the modes; slepc: on N ranks after mpirun -n N (sonopack)",
+     CLI_CHOICE, CLI_FIELD(engine), .words = engine_words},
     {0}};
 
 const cli_syntax cmd_modes_syntax = {
@@ -390,5 +396,7 @@ int cmd_modes(int argc, char **argv) {
                                       .plan = plan,   .kernels = 1U << SP_KERNEL_DENSE | 1U << SP_KERNEL_SPARSE};
     arguments a = {.range = sp_modes_range_all(), .mode = -1};
     cli_parse(&cmd_modes_syntax, argc, argv, &a);
+    if (a.engine)
+        return cmd_engine("sonopack modes-slepc", argc, argv);
     return cli_run_files(&command, &a);
 }

@@ -17,6 +17,7 @@ typedef struct arguments {
     cli_common common;
     int64_t planes;
     int source, component; /* NOT_GIVEN or sp_source, 1 for shear */
+    int engine;            /* 1: PETSc */
     cli_places sources, detectors;
     cli_pulse pulse;
 } arguments;
@@ -48,6 +49,8 @@ static sp_status set_damping(void *scene, const char *word, sp_error *err) {
     o->damping_ratio = law.ratio;
     return status;
 }
+
+static const char *const engine_words[] = {"sonopack", "petsc", NULL};
 
 static const cli_option options[] = {
     {"until", "T", "Last time [d/sqrt(E* / rho)] ((8 H + 40) (p/1e-4)^(-1/6), after the first front)", CLI_NUMBER,
@@ -92,6 +95,9 @@ static const cli_option options[] = {
      .low = 1, .high = SIGNALS_MAX},
     {.help = "Before long work:"},
     CLI_DRY_RUN,
+    {.help = "Beyond one machine (docs/cluster.md):"},
+    {"engine", "sonopack|petsc", "Program that computes the signal; petsc: on N ranks after mpirun -n N (sonopack)",
+     CLI_CHOICE, CLI_FIELD(engine), .words = engine_words},
     {0}};
 
 const cli_syntax cmd_signal_syntax = {
@@ -289,6 +295,8 @@ int cmd_signal(int argc, char **argv) {
                                           1U << SP_KERNEL_STEP | 1U << SP_KERNEL_PRODUCT | 1U << SP_KERNEL_DENSE};
     arguments a = {.source = NOT_GIVEN, .sources = {.sources = true}};
     cli_parse(&cmd_signal_syntax, argc, argv, &a);
+    if (a.engine)
+        return cmd_engine("sonopack signal-petsc", argc, argv);
     const int status = cli_run_files(&command, &a);
     cli_pulse_free(&a.pulse);
     return status;

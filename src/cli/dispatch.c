@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -57,6 +58,13 @@ int cmd_dispatch(int argc, char **argv) {
     if (find_program(strchr(argv[0], ' ') + 1, path, &err) == SP_OK)
         become(path, argv, &err);
     return cli_fail(&err);
+}
+
+int cmd_engine(const char *name, int argc, char **argv) {
+    setenv("OMP_NUM_THREADS", "1", 0);
+    setenv("OPENBLAS_NUM_THREADS", "1", 0);
+    argv[0] = (char *)name;
+    return cmd_dispatch(argc, argv);
 }
 
 sp_status cli_may_save_foreign(sp_error *err) {

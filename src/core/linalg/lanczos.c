@@ -389,7 +389,7 @@ sp_status sp_lanczos(sp_ldl *factor, int64_t n, const sp_lanczos_spec *spec, sp_
     sp_lanczos_pairs pairs = {0};
     lanczos z = {.factor = factor, .spec = spec, .n = n, .random = 1, .out = &pairs};
     const int64_t limit = n - spec->locked_count - BLOCK;
-    z.capacity = spec->wanted * 3 + 8 * BLOCK; /* a restart costs as much as the columns that it saves */
+    z.capacity = spec->wanted * 4 + 8 * BLOCK; /* most searches need 3 times; a restart costs as much as it saves */
     z.capacity = z.capacity < limit ? z.capacity : limit;
     z.capacity -= z.capacity % BLOCK;
     if (spec->wanted < 1 || z.capacity < spec->wanted + 4 * BLOCK || n > INT32_MAX / BLOCK)
