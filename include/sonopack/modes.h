@@ -21,7 +21,7 @@ typedef struct sp_modes_options {
     bool vectors;     /* compute eigenvectors too; false: frequencies only */
     sp_source source; /* source of the amplitudes a; b is always the force on the top wall */
     sp_modes_solver solver;
-    int32_t threads; /* number of threads for all frequencies of a large network; does not change the result; 0 counts
+    int32_t threads; /* number of threads for large networks; does not change the result; 0 counts
                         as 1 */
 } sp_modes_options;
 SP_API sp_modes_options sp_modes_options_default(void);

@@ -192,6 +192,16 @@ TEST(test_factors) {
     print_message("%lld modes below, solutions differ by %.2g of the largest\n", (long long)sp_ldl_negative(f[0]),
                   worst / most);
     assert_true(worst < 1e-8 * most);
+    for (int threads = 2; threads < 5; threads++) { /* the same bits */
+        sp_ldl *shared;
+        assert_ok(sp_ldl_make(&a, &net, &shared, &err));
+        assert_ok(sp_ldl_share(shared, threads, &err));
+        assert_ok(sp_ldl_factor(shared, 3.1, &err));
+        sp_ldl_solve(shared, b, x[0]);
+        assert_memory_equal(x[0], x[1], SP_LDL_LANES * (size_t)a.n * sizeof *b);
+        assert_true(sp_ldl_error(shared) == sp_ldl_error(f[1]));
+        sp_ldl_free(shared);
+    }
     for (int k = 0; k < 2; k++) {
         sp_ldl_free(f[k]);
         free(x[k]);

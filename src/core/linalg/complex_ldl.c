@@ -1,6 +1,7 @@
 /* LDL' factorization of complex symmetric matrices by supernodes. */
 #include "linalg/complex_ldl.h"
 #include "base/base.h"
+#include "base/pool.h"
 #include "linalg/supernodes.h"
 
 #include <cblas.h>

@@ -392,8 +392,12 @@ sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, co
             return status;
     }
     status = sp_slicer_make(net, opt->vectors, &z, err);
-    if (status != SP_OK)
+    if (status == SP_OK && opt->threads > 1)
+        status = sp_ldl_share(z.ldl, opt->threads, err);
+    if (status != SP_OK) {
+        sp_slicer_free(&z);
         return status;
+    }
     z.solver = opt->solver == SP_SOLVER_AUTO ? SP_SOLVER_LANCZOS : opt->solver;
     z.null_rows = range->zero || (range->lowest == 0 && range->from == 0);
     status = range->lowest > 0 ? lowest_table(&z, opt, range, out, err) : band_table(&z, opt, range, out, err);
