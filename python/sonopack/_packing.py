@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -186,6 +187,42 @@ class Packing(_core.Drawn, _fields.Packing):
         from .formats import pair
         call(lib.sp_packing_check, self._c)
         formats.write_files(pair.content(self, os.fsdecode(grains), os.fsdecode(contacts)))
+
+    def repeated(self, *times: int) -> Packing:
+        """Copies side by side, times[a] along axis a: a supercell, at rest as the packing is. Axes with walls take 1."""
+        shape = _Cell(self.cell, list(self.box), list(self.tilt))
+        for axis, count in enumerate(times):
+            if count < 1 or (count > 1 and not shape.periodic(axis)):
+                raise _core.invalid("times", f"{count} along axis {axis}: must be 1 or more, and 1 between walls")
+        if len(times) != self.dim:
+            raise _core.invalid("times", f"has {len(times)} numbers: must be one for each of the {self.dim} dimensions")
+        base, n, copies = self.contacts, self.n, math.prod(times)
+        lattice = np.array([shape.vector(axis)[: self.dim] for axis in range(self.dim)])
+        cell = np.array(list(np.ndindex(*times)))
+        x = (self.x[None, :, : self.dim] + (cell @ lattice)[:, None, :]).reshape(-1, self.dim)
+        i, j, bulk = base["i"], base["j"], base["j"] >= 0
+        apart = base["n"][:, : self.dim] * (self.r[i] + self.r[j] - base["overlap"])[:, None]
+        over = self.x[i, : self.dim] + apart - self.x[j, : self.dim]  # by how many lattice vectors i and j are apart
+        step = np.where(bulk[:, None], np.rint(over @ np.linalg.inv(lattice)), 0).astype(int)
+        table = np.tile(base, copies)
+        for k, here in enumerate(cell):
+            rows = slice(k * len(base), (k + 1) * len(base))
+            there = np.ravel_multi_index(tuple((np.mod(here + step, times)).T), times)
+            table["i"][rows] = k * n + i
+            table["j"][rows] = np.where(bulk, there * n + j, j)
+        turned = (table["j"] >= 0) & (table["j"] < table["i"])
+        table["i"][turned], table["j"][turned] = table["j"][turned], table["i"][turned]
+        table["n"][turned] *= -1
+        table["ft"][turned] *= -1
+        mass, inertia, along = self.mass, self.inertia, (*times, 1, 1)
+        xy, xz, yz = self.tilt
+        return Packing.from_arrays(
+            x, np.tile(self.r, copies), table, box=[edge * count for edge, count in zip(self.box, times)],
+            pressure=self.pressure, friction=self.friction, poisson=self.poisson, wall=self.wall, cell=self.cell,
+            tilt=(xy * along[1], xz * along[2], yz * along[2]),
+            mass=None if mass is None else np.tile(mass, copies),
+            inertia=None if inertia is None else np.tile(inertia, copies), gravity=self.gravity,
+            material=self._known_material() if self._c.material.young > 0 else None)
 
     def of_material(self, material: Material) -> Packing:
         """The same packing of grains of another material, which tells what its numbers are in SI units."""

@@ -52,6 +52,24 @@ def test_elasticity():
         assert network.signal(sources=["plane:1"], detectors=["plane:2"], until=5.0, points=5).f.size == 5, name
 
 
+def test_repeated():
+    """A supercell is at rest as its cell is, and has its moduli; its axes with walls cannot be repeated."""
+    for name, times in (("square", (2, 3)), ("tilted", (3, 2)), ("sheared", (2, 1, 2))):
+        packing = made(CELLS[name])
+        whole = packing.repeated(*times)
+        assert whole.n == np.prod(times) * packing.n and len(whole.contacts) == np.prod(times) * len(packing.contacts), name
+        assert max(whole.audit().force_residual, whole.audit().geometry_residual) < 1e-6, (name, whole.audit())
+        one, many = packing.network().elasticity(), whole.network().elasticity()
+        assert np.allclose(one.c, many.c, rtol=0, atol=(one.error + many.error).max() + 1e-12), (name, one.c - many.c)
+    piston = sonopack.Packing.read(os.path.join(SOURCE, "packings", "reference", "packing_N200_p1e-4.txt"))
+    wide = piston.repeated(3, 1)
+    assert (wide.box[0], wide.height, wide.n) == (3 * piston.box[0], piston.height, 600)
+    one, many = (p.network().signal(until=40.0, points=41) for p in (piston, wide))
+    assert np.allclose(3 * one.f, many.f, rtol=0, atol=1e-12 * np.abs(many.f).max()), "the wall's force is three times that"
+    for times in ((1, 2), (0, 1), (2,)):
+        assert raised(sonopack.InvalidInput, piston.repeated, *times).key == "times", times
+
+
 def test_files():
     """What a file says, and what is written again, is the same to the bit; so are copies."""
     for name, p in CELLS.items():
