@@ -107,20 +107,101 @@ static int by_height(const void *a, const void *b) {
     return x->i < y->i ? -1 : x->i > y->i;
 }
 
-/* Visits the pairs of grain k of the sorted list with higher grains, and the walls. In a periodic cell the lowest
- * grains follow the highest. */
-static sp_status visit_above(const sp_packing *p, const elevated *sorted, int32_t k, double range, sp_pair_visit *visit,
-                             void *user, sp_error *err) {
-    const int32_t i = sorted[k].i;
-    const double far = sorted[k].y + p->r[i] + range, height = sp_packing_height(p);
-    const int32_t last = sp_packing_periodic(p, p->dim - 1) ? k + p->n : p->n;
-    sp_status status = SP_OK;
-    for (int32_t q = k + 1; q < last && status == SP_OK; q++) {
-        const bool around = q >= p->n;
-        const elevated *other = &sorted[around ? q - p->n : q];
-        if (other->y + (around ? height : 0) > far)
+/* Columns of the packing along its last axis, in each of which the grains are sorted by height. */
+typedef struct columns {
+    const sp_packing *p;
+    const elevated *sorted; /* [n] all grains */
+    int32_t many[2];        /* along the other axes */
+    int32_t *column;        /* [n] of a grain of the sorted list */
+    int32_t *first;         /* [columns + 1] where a column begins in rank */
+    int32_t *rank;          /* [n] places in the sorted list, column by column */
+} columns;
+
+/* As many columns as are not narrower than the range, between the planes of the lattice, and no more than grains. */
+static void divide(columns *c, double range) {
+    for (int a = 0; a < 2; a++) {
+        double squares = 0;
+        for (int b = 0; b < 3; b++) {
+            double slope[3];
+            sp_packing_fractions(c->p, (double[3]){b == 0, b == 1, b == 2}, slope);
+            squares += slope[a] * slope[a];
+        }
+        const double most = pow(c->p->n, 1.0 / fmax(c->p->dim - 1, 1));
+        c->many[a] = a < c->p->dim - 1 ? (int32_t)fmax(1, fmin(most, 1 / (sqrt(squares) * range))) : 1;
+    }
+}
+
+static void fill(columns *c) {
+    const int32_t n = c->p->n, count = c->many[0] * c->many[1];
+    for (int32_t k = 0; k < n; k++) {
+        double s[3];
+        int32_t at[2];
+        sp_packing_fractions(c->p, c->p->x + 3 * (size_t)c->sorted[k].i, s);
+        for (int a = 0; a < 2; a++)
+            at[a] = (int32_t)fmax(0, fmin(c->many[a] - 1, s[a] * c->many[a]));
+        c->column[k] = at[0] + c->many[0] * at[1];
+        c->first[c->column[k] + 1]++;
+    }
+    for (int32_t q = 0; q < count; q++)
+        c->first[q + 1] += c->first[q];
+    for (int32_t k = n; k-- > 0;) /* from the end: first[q + 1] becomes the beginning of q, and all move by one */
+        c->rank[--c->first[c->column[k] + 1]] = k;
+    for (int32_t q = 0; q < count; q++)
+        c->first[q] = c->first[q + 1];
+    c->first[count] = n;
+}
+
+/* Lists the places of the column that are higher than k, within reach; in a periodic cell the lowest follow the
+ * highest, with n added. */
+static int32_t list_above(const columns *c, int32_t column, int32_t k, double far, int32_t *out) {
+    const int32_t n = c->p->n, *rank = c->rank, end = c->first[column + 1];
+    int32_t low = c->first[column], high = end, count = 0;
+    while (low < high) {
+        const int32_t middle = low + (high - low) / 2;
+        if (rank[middle] > k)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    for (; low < end && c->sorted[rank[low]].y <= far; low++)
+        out[count++] = rank[low];
+    if (!sp_packing_periodic(c->p, c->p->dim - 1))
+        return count;
+    for (int32_t q = c->first[column]; q < end && rank[q] < k; q++)
+        if (c->sorted[rank[q]].y + sp_packing_height(c->p) <= far)
+            out[count++] = rank[q] + n;
+        else
             break;
-        status = visit(i < other->i ? i : other->i, i < other->i ? other->i : i, user, err);
+    return count;
+}
+
+static int by_number(const void *a, const void *b) {
+    const int32_t x = *(const int32_t *)a, y = *(const int32_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Visits the pairs of grain k of the sorted list with higher grains in the columns around it, and the walls. near [n]:
+ * working memory. */
+static sp_status visit_above(const columns *c, int32_t k, double range, int32_t *near, sp_pair_visit *visit, void *user,
+                             sp_error *err) {
+    const sp_packing *p = c->p;
+    const int32_t i = c->sorted[k].i, at[2] = {c->column[k] % c->many[0], c->column[k] / c->many[0]};
+    const double far = c->sorted[k].y + p->r[i] + range;
+    int32_t count = 0, low[2], high[2];
+    for (int a = 0; a < 2; a++) { /* of two columns each is the other's neighbour once */
+        low[a] = c->many[a] > 2 ? -1 : 0;
+        high[a] = c->many[a] > 1 ? 1 : 0;
+    }
+    for (int32_t v = low[1]; v <= high[1]; v++)
+        for (int32_t u = low[0]; u <= high[0]; u++) {
+            const int32_t x = (at[0] + u + c->many[0]) % c->many[0], y = (at[1] + v + c->many[1]) % c->many[1];
+            count += list_above(c, x + c->many[0] * y, k, far, near + count);
+        }
+    qsort(near, (size_t)count, sizeof *near, by_number);
+    sp_status status = SP_OK;
+    for (int32_t q = 0; q < count && status == SP_OK; q++) {
+        const int32_t other = c->sorted[near[q] < p->n ? near[q] : near[q] - p->n].i;
+        status = visit(i < other ? i : other, i < other ? other : i, user, err);
     }
     for (int32_t wall = SP_BOTTOM; wall >= SP_BACK && status == SP_OK; wall--)
         if (sp_packing_has_wall(p, wall))
@@ -128,19 +209,32 @@ static sp_status visit_above(const sp_packing *p, const elevated *sorted, int32_
     return status;
 }
 
-sp_status sp_packing_sweep(const sp_packing *p, double gap, sp_pair_visit *visit, void *user, sp_error *err) {
+static elevated *sort_by_height(const sp_packing *p, double *largest) {
     elevated *sorted = sp_alloc((size_t)p->n, sizeof *sorted);
     if (!sorted)
-        return sp_fail_memory(err, (size_t)p->n * sizeof *sorted);
-    double largest = 0;
+        return NULL;
     for (int32_t i = 0; i < p->n; i++) {
         sorted[i] = (elevated){p->x[3 * (int64_t)i + p->dim - 1], i};
-        largest = fmax(largest, p->r[i]);
+        *largest = fmax(*largest, p->r[i]);
     }
     qsort(sorted, (size_t)p->n, sizeof *sorted, by_height);
-    sp_status status = SP_OK;
-    for (int32_t k = 0; k < p->n && status == SP_OK; k++)
-        status = visit_above(p, sorted, k, largest + gap, visit, user, err);
+    return sorted;
+}
+
+sp_status sp_packing_sweep(const sp_packing *p, double gap, sp_pair_visit *visit, void *user, sp_error *err) {
+    const size_t n = (size_t)p->n;
+    double largest = 0;
+    elevated *sorted = sort_by_height(p, &largest);
+    int32_t *memory = sp_alloc(6 * n + 2, sizeof *memory);
+    sp_status status = sorted && memory ? SP_OK : sp_fail_memory(err, n * (sizeof *sorted + 6 * sizeof *memory));
+    if (status == SP_OK) {
+        columns c = {.p = p, .sorted = sorted, .column = memory, .rank = memory + n, .first = memory + 4 * n};
+        divide(&c, 2 * largest + gap);
+        fill(&c);
+        for (int32_t k = 0; k < p->n && status == SP_OK; k++)
+            status = visit_above(&c, k, largest + gap, memory + 2 * n, visit, user, err);
+    }
+    sp_free(memory);
     sp_free(sorted);
     return status;
 }
