@@ -1,4 +1,5 @@
 /* Structure checks, rattlers, audit, statics, and the ordered packings whose every number is known. */
+#include "packing/geometry.h"
 #include "test.h"
 
 #include "base/base.h"
@@ -407,6 +408,57 @@ TEST(nothing_given) {
     assert_fails(sp_packing_make(NULL, NULL, NULL, &p, &err), SP_EINVAL, "spec");
     assert_fails(sp_packing_make(&spec, NULL, NULL, NULL, &err), SP_EINVAL, "packing");
     assert_fails(sp_packing_make_with(NULL, NULL, &p, &err), SP_EINVAL, "spec");
+}
+
+/* Which pairs a sweep visits, and how often. */
+typedef struct visits {
+    int n;
+    int *times; /* [n][n] */
+} visits;
+
+static sp_status visit(int32_t i, int32_t j, void *user, sp_error *err) {
+    visits *v = user;
+    (void)err;
+    if (j >= 0) {
+        assert_true(i < j && j < v->n);
+        v->times[i * v->n + j]++;
+    }
+    return SP_OK;
+}
+
+/* Every pair that is near is visited, and none twice where no period is narrow. */
+TEST(test_sweep) {
+    enum { N = 250 };
+    static int times[N * N];
+    srand(5);
+    for (int round = 0; round < 60; round++) {
+        const int dim = 2 + round % 2;
+        const sp_cell cell = (sp_cell)(round / 2 % 3);
+        const double gap = 0.7 * rand() / RAND_MAX;
+        FREED(sp_packing) p = sp_packing_none();
+        assert_ok(sp_packing_alloc(&p, dim, N, 0, &err));
+        p.cell = cell;
+        for (int a = 0; a < 3; a++)
+            p.box[a] = a < dim ? 4 + 10.0 * rand() / RAND_MAX : 1;
+        for (int a = 0; a < 3 && cell == SP_CELL_PERIODIC && round % 4 < 2; a++)
+            p.tilt[a] = a == 0 || dim == 3 ? (1.0 * rand() / RAND_MAX - 0.5) * p.box[a == 2] : 0;
+        for (int i = 0; i < N; i++) {
+            p.r[i] = 0.3 + 0.2 * rand() / RAND_MAX;
+            for (int a = 0; a < dim; a++)
+                p.x[3 * i + a] = p.box[a] * rand() / RAND_MAX;
+            sp_packing_wrap(&p, p.x + 3 * (size_t)i);
+        }
+        memset(times, 0, sizeof times);
+        assert_ok(sp_packing_sweep(&p, gap, visit, &(visits){N, times}, &err));
+        for (int i = 0; i < N; i++)
+            for (int j = i + 1; j < N; j++) {
+                double d[3];
+                sp_packing_separation(&p, i, j, d);
+                const double apart = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]) - p.r[i] - p.r[j];
+                assert_true(apart >= gap || times[i * N + j] == 1);
+                assert_true(times[i * N + j] <= 1);
+            }
+    }
 }
 
 RUN_TESTS(NULL, NULL)
