@@ -10,8 +10,8 @@
 /* ---- one text of each format ----------------------------------------------------------------------------------- */
 
 /* TSV: escapes the characters that would end a cell or a row, or start a comment. */
-static void tsv_text(sp_text *out, const char *text, bool first_cell) {
-    if (first_cell && *text == '#')
+static void tsv_text(sp_text *out, const char *text, bool first) {
+    if (first && *text == '#')
         sp_text_bytes(out, "\\", 1);
     for (; *text; text++) {
         switch (*text) {
@@ -25,8 +25,8 @@ static void tsv_text(sp_text *out, const char *text, bool first_cell) {
 }
 
 /* CSV according to RFC 4180. */
-static void csv_text(sp_text *out, const char *text, bool first_cell) {
-    (void)first_cell;
+static void csv_text(sp_text *out, const char *text, bool first) {
+    (void)first;
     size_t length = strlen(text);
     bool blanks = length > 0 && (*text == ' ' || text[length - 1] == ' ');
     if (!blanks && !strpbrk(text, ",\"\r\n")) {
@@ -73,22 +73,25 @@ static void json_text(sp_text *out, const char *text) {
 
 /* ---- tables ---------------------------------------------------------------------------------------------------- */
 
-typedef void (*text_writer)(sp_text *out, const char *text, bool first_cell);
+/* first: nothing but empty cells stands before it in its row. */
+typedef void (*text_writer)(sp_text *out, const char *text, bool first);
 
 static void header_and_rows(sp_text *out, const sp_table *t, text_writer text, const char *separator) {
+    size_t begin = out->size;
     for (int c = 0; c < t->columns; c++) {
         sp_text_add(out, "%s", c ? separator : "");
-        text(out, t->column[c].name, c == 0);
+        text(out, t->column[c].name, out->size == begin + (size_t)c);
     }
     sp_text_add(out, "\n");
     for (int64_t row = 0; row < t->rows; row++) {
+        begin = out->size;
         for (int c = 0; c < t->columns; c++) {
             const sp_entry *cell = &t->cells[row * t->columns + c];
             sp_text_add(out, "%s", c ? separator : "");
             switch (t->column[c].kind) {
             case SP_COLUMN_NUMBER: sp_text_number(out, cell->number); break;
             case SP_COLUMN_INTEGER: sp_text_add(out, "%lld", (long long)cell->integer); break;
-            case SP_COLUMN_TEXT: text(out, cell->text ? cell->text : "", c == 0); break;
+            case SP_COLUMN_TEXT: text(out, cell->text ? cell->text : "", out->size == begin + (size_t)c); break;
             }
         }
         sp_text_add(out, "\n");
