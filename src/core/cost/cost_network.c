@@ -103,7 +103,7 @@ sp_cost sp_cost_signal(const sp_network_size *net, const sp_signal_options *opt,
 static double factor_bytes(const sp_network_size *net) {
     if (net->dim < 3)
         return 1000 * net->dofs * fmax(1, pow(net->dofs / 7000, 0.36));
-    return 5400 * net->dofs * pow(net->dofs / 11500, 0.4);
+    return 5400 * net->dofs * pow(net->dofs / 11500, 0.28);
 }
 
 /* Right-hand sides of Lanczos for so many modes, with their count and amplitudes. */
@@ -113,7 +113,7 @@ static double seconds_of_slices(const sp_network_size *net, double modes, const 
     if (net->dim < 3)
         return sp_law_seconds(SP_WORK_SOLVES_DISKS, net->dofs, solves_of(modes), machine);
     return sp_law_seconds(SP_WORK_SOLVES_SPHERES, net->dofs, solves_of(modes), machine) +
-           sp_law_seconds(SP_WORK_FACTORS_SPHERES, net->dofs, 3.5 + modes / 200, machine);
+           sp_law_seconds(SP_WORK_FACTORS_SPHERES, net->dofs, 3 + modes / 200, machine);
 }
 
 /* As sp_modes_make decides. */
@@ -156,23 +156,23 @@ sp_cost sp_cost_modes(const sp_network_size *net, const sp_modes_options *o, con
 sp_cost sp_cost_result(sp_network_result what, const sp_network_size *net, double count, const sp_machine *machine) {
     static const struct {
         sp_work disks, spheres;
-        bool factor;
+        double factors; /* real ones; a complex one takes two */
     } works[SP_RESULTS] = {
-        [SP_RESULT_NETWORK] = {SP_WORK_NETWORK, SP_WORK_NETWORK, false},
-        [SP_RESULT_STATICS] = {SP_WORK_STATICS, SP_WORK_STATICS, false},
-        [SP_RESULT_MODULI] = {SP_WORK_MODULI, SP_WORK_MODULI_SPHERES, true},
-        [SP_RESULT_PROBES] = {SP_WORK_MODULI, SP_WORK_MODULI_SPHERES, true},
-        [SP_RESULT_DENSITY] = {SP_WORK_DENSITY, SP_WORK_DENSITY, false},
-        [SP_RESULT_TRANSMISSION] = {SP_WORK_TRANSMISSION, SP_WORK_TRANSMISSION, false},
-        [SP_RESULT_DISPERSION] = {SP_WORK_DISPERSION, SP_WORK_DISPERSION, false},
-        [SP_RESULT_HARMONIC] = {SP_WORK_HARMONIC, SP_WORK_HARMONIC_SPHERES, true},
-        [SP_RESULT_CONTINUUM] = {SP_WORK_CONTINUUM, SP_WORK_CONTINUUM, true},
-        [SP_RESULT_SAMPLE] = {SP_WORK_SAMPLE, SP_WORK_SAMPLE, false},
+        [SP_RESULT_NETWORK] = {SP_WORK_NETWORK, SP_WORK_NETWORK, 0},
+        [SP_RESULT_STATICS] = {SP_WORK_STATICS, SP_WORK_STATICS, 0},
+        [SP_RESULT_MODULI] = {SP_WORK_MODULI, SP_WORK_MODULI_SPHERES, 1},
+        [SP_RESULT_PROBES] = {SP_WORK_MODULI, SP_WORK_MODULI_SPHERES, 1},
+        [SP_RESULT_DENSITY] = {SP_WORK_DENSITY, SP_WORK_DENSITY, 0},
+        [SP_RESULT_TRANSMISSION] = {SP_WORK_TRANSMISSION, SP_WORK_TRANSMISSION, 0},
+        [SP_RESULT_DISPERSION] = {SP_WORK_DISPERSION, SP_WORK_DISPERSION, 0},
+        [SP_RESULT_HARMONIC] = {SP_WORK_HARMONIC, SP_WORK_HARMONIC_SPHERES, 2},
+        [SP_RESULT_CONTINUUM] = {SP_WORK_CONTINUUM, SP_WORK_CONTINUUM, 1},
+        [SP_RESULT_SAMPLE] = {SP_WORK_SAMPLE, SP_WORK_SAMPLE, 0},
     };
     const double seconds =
         sp_law_seconds(net->dim < 3 ? works[what].disks : works[what].spheres, net->dofs, count, machine);
     const double often = what == SP_RESULT_PROBES ? 4 : 1; /* each about as long as the moduli */
-    return one_thread(often * seconds, 300 * net->dofs + (works[what].factor ? factor_bytes(net) : 0));
+    return one_thread(often * seconds, 300 * net->dofs + works[what].factors * factor_bytes(net));
 }
 
 /* ---- files ------------------------------------------------------------------------------------------------------ */
