@@ -28,7 +28,8 @@ study = { samples = 6; want = ["ctof", "moduli"]; sweep = (
 """
 SAMPLES = 24
 # long enough to be stopped in the middle
-LONGER = """packing = { width = 8; grains = 120; };
+# some seconds of work: mpirun takes two until it ends its ranks
+LONGER = """packing = { width = 8; grains = 240; pressure = 1e-7; };
 study = { samples = 40; want = ["statics"]; };
 """
 LONGER_SAMPLES = 40
