@@ -18,9 +18,8 @@
     cblas_dtrsm(CblasRowMajor, CblasRight, CblasLower, CblasTrans, CblasUnit, m, n, 1, a, lda, b, ldb)
 #include "linalg/panels.inc"
 
-enum { LANES = SP_LDL_LANES, HALF = LANES / 2, CHUNK = 256 };
+enum { LANES = SP_LDL_LANES, CHUNK = 256 };
 typedef double lanes __attribute__((vector_size(8 * LANES), aligned(64), may_alias));
-typedef double half __attribute__((vector_size(8 * HALF), aligned(32), may_alias));
 
 /* Values of a factor that is not worth sharing. */
 static const int64_t SMALL = 4000000;
@@ -206,44 +205,22 @@ double sp_ldl_error(const sp_ldl *f) { return f->ready ? f->error : HUGE_VAL; }
 #include "linalg/panel_solve.inc"
 #undef LANE
 #undef NAME
-#define LANE    half
-#define NAME(x) x##_half
-#include "linalg/panel_solve.inc"
-#undef LANE
-#undef NAME
 #define LANE    double
 #define NAME(x) x##_single
 #include "linalg/panel_solve.inc"
 #undef LANE
 #undef NAME
 
-typedef struct solve_job {
-    sp_ldl *f;
-    const double *b;
-    double *x;
-} solve_job;
-
-/* Two threads take four right-hand sides each: both read the whole factor, at about the same time. */
-static void solve_part(void *data, int part, int parts) {
-    const solve_job *job = data;
-    const sp_ldl *f = job->f;
-    const int64_t n = f->s.n, many = parts > 1 ? HALF : LANES, first = part * HALF;
-    if (part > 1)
-        return;
-    double *work = f->work + n * first;
+void sp_ldl_solve(sp_ldl *f, const double *b, double *x) {
+    const int64_t n = f->s.n;
     for (int64_t k = 0; k < n; k++)
-        for (int64_t q = 0; q < many; q++)
-            work[k * many + q] = job->b[(first + q) * n + f->s.order[k]];
-    if (parts > 1)
-        solve_half(&f->s, f->value, f->pivot, (half *)work);
-    else
-        solve_lanes(&f->s, f->value, f->pivot, (lanes *)work);
+        for (int q = 0; q < LANES; q++)
+            f->work[k * LANES + q] = b[q * n + f->s.order[k]];
+    solve_lanes(&f->s, f->value, f->pivot, (lanes *)f->work);
     for (int64_t k = 0; k < n; k++)
-        for (int64_t q = 0; q < many; q++)
-            job->x[(first + q) * n + f->s.order[k]] = work[k * many + q];
+        for (int q = 0; q < LANES; q++)
+            x[q * n + f->s.order[k]] = f->work[k * LANES + q];
 }
-
-void sp_ldl_solve(sp_ldl *f, const double *b, double *x) { sp_pool_run(f->pool, solve_part, &(solve_job){f, b, x}); }
 
 void sp_ldl_solve_one(sp_ldl *f, const double *b, double *x) {
     for (int64_t k = 0; k < f->s.n; k++)

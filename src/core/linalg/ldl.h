@@ -12,8 +12,7 @@ typedef struct sp_ldl sp_ldl;
 /* Orders the matrix and finds the pattern of the factor, for all sigma. Keeps a copy of a. net: as for
  * sp_supernodes_make. */
 sp_status sp_ldl_make(const sp_sparse *a, const sp_network *net, sp_ldl **out, sp_error *err);
-/* Lets `threads` threads factor, and two of them solve, if the factor is large. The results keep their bits.
- * SP_ENOMEM. */
+/* Lets `threads` threads factor, if the factor is large; its bits stay the same. SP_ENOMEM. */
 sp_status sp_ldl_share(sp_ldl *f, int threads, sp_error *err);
 /* Replaces A by another matrix with the same pattern. SP_EINVAL for entries that are not finite. */
 sp_status sp_ldl_set(sp_ldl *f, const sp_sparse *a, sp_error *err);
