@@ -225,8 +225,8 @@ sp_status sp_packing_sweep(const sp_packing *p, double gap, sp_pair_visit *visit
     const size_t n = (size_t)p->n;
     double largest = 0;
     elevated *sorted = sort_by_height(p, &largest);
-    int32_t *memory = sp_alloc(6 * n + 2, sizeof *memory);
-    sp_status status = sorted && memory ? SP_OK : sp_fail_memory(err, n * (sizeof *sorted + 6 * sizeof *memory));
+    int32_t *memory = sp_alloc(5 * n + 1, sizeof *memory);
+    sp_status status = sorted && memory ? SP_OK : sp_fail_memory(err, n * (sizeof *sorted + 5 * sizeof *memory));
     if (status == SP_OK) {
         columns c = {.p = p, .sorted = sorted, .column = memory, .rank = memory + n, .first = memory + 4 * n};
         divide(&c, 2 * largest + gap);
