@@ -34,18 +34,21 @@ else()
 endif()
 
 # Links, so that a change of a module needs no build.
-set(commands "")
+file(MAKE_DIRECTORY ${package})
 foreach(file _records.py _fields.py _reference.py)
-  list(APPEND commands COMMAND ${CMAKE_COMMAND} -E create_symlink ${native}/${file} ${package}/${file})
+  file(CREATE_LINK ${native}/${file} ${package}/${file} SYMBOLIC)
 endforeach()
 foreach(file ${python_files})
   get_filename_component(folder ${package}/${file} DIRECTORY)
-  list(APPEND commands COMMAND ${CMAKE_COMMAND} -E make_directory ${folder}
-    COMMAND ${CMAKE_COMMAND} -E create_symlink ${python_source}/sonopack/${file} ${package}/${file})
+  file(MAKE_DIRECTORY ${folder})
+  file(CREATE_LINK ${python_source}/sonopack/${file} ${package}/${file} SYMBOLIC)
 endforeach()
-add_custom_command(OUTPUT ${native}/linked ${commands} COMMAND ${CMAKE_COMMAND} -E touch ${native}/linked
+# Compiled once: the commands do not write into the package (-B), and would compile it at each start.
+add_custom_command(OUTPUT ${native}/compiled
+  COMMAND ${Python3_EXECUTABLE} -m compileall -q ${package}
+  COMMAND ${CMAKE_COMMAND} -E touch ${native}/compiled
   DEPENDS ${native}/_records.py ${CMAKE_CURRENT_LIST_FILE} VERBATIM)
-add_custom_target(sonopack_python_modules ALL DEPENDS ${native}/linked)
+add_custom_target(sonopack_python_modules ALL DEPENDS ${native}/compiled)
 
 # The commands that the package runs: beside the command in the build folder, in libexec of an installation.
 set(SONOPACK_PROGRAMS plot view convert reproduce bench pack-lammps modes-slepc signal-petsc save-table)

@@ -12,6 +12,7 @@ import tempfile
 import numpy as np
 
 from common import PATIENCE, faults, names_all
+from warm import warm
 
 COMMAND = str(pathlib.Path(sys.argv[1]).resolve())
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
@@ -25,15 +26,20 @@ def start(*words, **options):
                                                             "stderr": subprocess.PIPE, "text": True, **options})
 
 
-def tried(*words, **options):
+def tried(*words, command=None, **options):
     """The process, however it ended."""
-    return subprocess.run([COMMAND, *map(str, words)], **{"stdin": subprocess.DEVNULL, "capture_output": True, "text": True,
+    return subprocess.run([command or COMMAND, *map(str, words)], **{"stdin": subprocess.DEVNULL, "capture_output": True, "text": True,
                                                           "timeout": PATIENCE, **options})
 
 
-def run(*words, status=0, **options):
-    """The process, which must end with this exit status."""
-    done = tried(*words, **options)
+def warmly(*words, **options):
+    """tried(), of a command that Python does."""
+    return tried(*words, command=warm(COMMAND) / "sonopack", **options)
+
+
+def run(*words, status=0, way=tried, **options):
+    """The process, which must end with this exit status. way: tried or warmly."""
+    done = way(*words, **options)
     assert done.returncode == status, (words, done.returncode, done.stdout[-500:], done.stderr)
     return done
 

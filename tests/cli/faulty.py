@@ -176,11 +176,12 @@ class Faulty:
         words = line.replace("@store", "store").split()
         if "--threads" not in line and words[0] not in ("help", "--version"):
             words.append("--threads=1")
-        done = subprocess.run(
-            [COMMAND, *words], cwd=self.work, env=environment, stdin=subprocess.DEVNULL, capture_output=True,
-            preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, (CPU, CPU)), timeout=1200)
+        process = subprocess.Popen([COMMAND, *words], cwd=self.work, env=environment, stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        resource.prlimit(process.pid, resource.RLIMIT_CPU, (CPU, CPU))
+        out, err = process.communicate(timeout=1200)
         calls = dict(line.split() for line in count.read_text().splitlines()) if count.exists() else {}
-        return Outcome(done.returncode, self.plain(name, done.stdout), done.stderr.decode(errors="replace"),
+        return Outcome(process.returncode, self.plain(name, out), err.decode(errors="replace"),
                        {path: self.plain(name, data) for path, data in content(self.work).items()
                         if not BESIDE.match(path)}, calls)
 

@@ -1,5 +1,5 @@
-"""The whole sweep of faulty calls: in every command calls of every kind fail, spread over all that it makes. A table of
-what came of them goes to stdout.
+"""The whole sweep of faulty calls: in every command calls of every kind fail, spread over all that it makes; and more of
+those of test_faulty_commands.py. A table of what came of them goes to stdout.
 
 usage: test_faulty_commands_long.py COMMAND SOURCE_DIR [MOST [COMMANDS [KINDS]]]
     MOST: how many calls of a kind fail, one run each (6); COMMANDS, KINDS: regular expressions
@@ -10,6 +10,7 @@ import sys
 
 from common import expect
 from faulty import COMMANDS, KINDS, try_all
+from test_faulty_commands import every_call
 
 
 def sweep(tried, name, kind, most):
@@ -34,6 +35,8 @@ def main(tried):
             total += tally
             if tally:
                 print(name, kind, tried.count(name, kind), dict(tally), sep="\t", flush=True)
+    if len(words) < 2:
+        every_call(tried, closer=5)
     print(f"{sum(total.values())} runs: {dict(total)}")
 
 

@@ -24,24 +24,21 @@ SUPPRESSIONS = """{
 }
 """
 ERROR = 99
-# (expected status, arguments); the work of each is small: valgrind slows it fifty times
+# (expected status, arguments); the work of each is small, and the runs are few: valgrind takes a second to begin
 RUNS = [
     (0, ["pack", "scene.cfg", *CHAIN, "-o", "chain.h5"]),
-    (0, ["check", "chain.h5"]),
+    (0, ["check", "chain.h5", "reference.txt"]),
     (0, ["signal", "chain.h5", "--points", "200", "-o", "chain.tsv"]),
     (0, ["front", "chain.tsv"]),
     (0, ["modes", "chain.h5", "--all"]),
     (0, ["modes", "cluster.txt", "--lowest", "2"]),
     (0, ["pack", "scene.cfg", *CHAIN, "-o", "chain.txt"]),
-    (0, ["signal", "chain.txt", "--until", "40", "--points", "50"]),
-    (0, ["statics", "reference.txt"]),
+    (0, ["statics", "chain.txt"]),
     (0, ["moduli", "reference.txt"]),
-    (0, ["study", "study.cfg", "--store", "store", "--jobs", "2"]),
     (0, ["study", "study.cfg", "--store", "store", "--jobs", "2"]),
     (0, ["table", "ensemble", "--store", "store", "--format", "json"]),
     (0, ["table", "spectrum", "study.cfg", "--store", "store", "--bins", "5"]),
     (0, ["help"]),
-    (0, ["--version"]),
     (1, ["check", "truncated.h5"]),
     (1, ["front", "flat.tsv"]),
     (1, ["table", "ctof", "--store", "nowhere"]),
@@ -82,7 +79,8 @@ def leaks():
             pathlib.Path("truncated.h5").write_bytes(pathlib.Path("chain.h5").read_bytes()[:-500])
         done = subprocess.run(["valgrind", "--quiet", "--leak-check=full", "--errors-for-leak-kinds=definite",
                                "--show-leak-kinds=definite", f"--error-exitcode={ERROR}", "--log-file=valgrind.log",
-                               "--suppressions=suppressions", COMMAND, *words], env=env, text=True, capture_output=True)
+                               "--read-inline-info=no", "--suppressions=suppressions", COMMAND, *words],
+                              env=env, text=True, capture_output=True)
         report = pathlib.Path("valgrind.log").read_text()
         expect(done.returncode == status and not report.strip(),
                f"sonopack {' '.join(words)}: exit status {done.returncode}, expected {status}\n{done.stderr}{report}")

@@ -9,7 +9,7 @@ import signal
 import stat
 import tempfile
 
-from command import main, refused, run, sets, start, tried
+from command import main, refused, run, sets, start, tried, warmly
 from common import names_all, wait_until
 
 SIZE = ["pack", *sets(grains=40, width=6)]
@@ -38,26 +38,27 @@ def wrong_words():
                        ("--engine lammps --prepare d --ranks 2", "--prepare"), ("--engine lammps --prepare d -o a.h5", "--prepare"),
                        ("--engine lammps --collect d --seed 2 -o a.h5", "--collect"), ("--engine lammps --dry-run -o a.h5", "--dry-run"),
                        ("--engine lammps --ranks 0 -o a.h5", "--ranks"), ("--engine liggghts -o a.h5", "--engine")):
-        refused(key, *(["pack"] if "--collect" in words else SIZE), *words.split(), **engine)
+        refused(key, *(["pack"] if "--collect" in words else SIZE), *words.split(), **engine,
+                way=warmly if "--engine lammps" in words else tried)
     for key, value in (("compression", "isotropic"), ("viscous_limit", 3), ("history", "(1e-5)")):
-        refused(f"packing.{key}", *ENGINE, *sets(**{key: value}), "-o", "a.h5", **engine)
+        refused(f"packing.{key}", *ENGINE, *sets(**{key: value}), "-o", "a.h5", way=warmly, **engine)
     assert not list(pathlib.Path().glob("a.h5*")) and not D.exists()
     for words, names in ((["--lammps", "no/such"], "no/such --lammps"), (["--lammps", "."], ".")):
-        refused(names, *ENGINE, *words, "-o", "M.h5", status=1)
+        refused(names, *ENGINE, *words, "-o", "M.h5", status=1, way=warmly)
     refused("lmp", *ENGINE, "-o", "M.h5", status=1, env=dict(os.environ, PATH=str(lmp("", "other").parent)))
     assert not pathlib.Path("M.h5.lammps").exists()
 
 
-def fails(program, names, output="F.h5"):
+def fails(program, names, output="F.h5", way=warmly):
     """One line that names all of the words and the folder, whose files stay."""
-    done = run(*ENGINE, "--lammps", program, "--force", "-o", output, status=1)
+    done = run(*ENGINE, "--lammps", program, "--force", "-o", output, status=1, way=way)
     assert len(done.stderr.splitlines()) == 1 and names_all(done.stderr, f"{names} {output}.lammps"), (names, done.stderr)
     assert not pathlib.Path(output).exists()
     assert all(pathlib.Path(f"{output}.lammps", name).exists() for name in ("in.pack", "gas.data"))
 
 
 def what_it_is_given():
-    fails(lmp('printf "%s\\n" "$0" "$@" >words; pwd >>words; ' + LOG + "exit 3"), "status 3")
+    fails(lmp('printf "%s\\n" "$0" "$@" >words; pwd >>words; ' + LOG + "exit 3"), "status 3", way=tried)
     kept = pathlib.Path("F.h5.lammps").resolve()
     words = (kept / "words").read_text().split("\n")
     assert words[1:-1] == ["-nocite", "-in", "in.pack", "-log", "log.lammps", str(kept)], words
@@ -107,7 +108,7 @@ def dumps(rows, radius=lambda k, d: d / 2, number="%.17g", contacts="1 1 2 1 1e-
 
 
 def collect_fails(names):
-    done = run("pack", "--engine", "lammps", "--collect", "d", "-o", "C.h5", status=1)
+    done = run("pack", "--engine", "lammps", "--collect", "d", "-o", "C.h5", status=1, way=warmly)
     assert len(done.stderr.splitlines()) == 1 and names_all(done.stderr, names), (names, done)
     assert not pathlib.Path("C.h5").exists() and (D / "grains.dump").exists()
 
@@ -115,7 +116,7 @@ def collect_fails(names):
 def collected():
     run(*ENGINE, "--seed", 3, "--prepare", "d")
     assert all((D / name).stat().st_size > 0 for name in ("in.pack", "gas.data", "scene.cfg"))
-    refused("d --force", *ENGINE, "--prepare", "d", status=1)
+    refused("d --force", *ENGINE, "--prepare", "d", status=1, way=warmly)
     rows = (D / "gas.data").read_text().split("Atoms # sphere\n\n")[1].split("\n")[:40]
     for names, words in (("grains.dump", {"count": 17}), ("grains.dump", {"number": "nan%.0s"}),
                          ("d", {"contacts": "1 1 2 1 nan 0 0 0\n"}), ("contacts.dump", {"contacts": "1 1 2 1 1e-5\n"}),
@@ -133,7 +134,7 @@ def collected():
     (D / "grains.dump").unlink()
     os.mkfifo(D / "grains.dump")  # which nobody ever opens to write
     collect_fails("grains.dump")
-    done = tried("pack", "--engine", "lammps", "--collect", "nowhere", "-o", "C.h5")
+    done = warmly("pack", "--engine", "lammps", "--collect", "nowhere", "-o", "C.h5")
     assert done.returncode in (1, 2) and names_all(done.stderr, "nowhere/scene.cfg"), done
 
 
@@ -159,9 +160,9 @@ def stopped():
         wait_until(lambda: not running(child), "the child to end")
         assert pathlib.Path(f"{name}.lammps/in.pack").exists() and not pathlib.Path(name).exists()
     # a folder of an earlier run is not replaced
-    refused("I.h5.lammps --force --collect", *ENGINE, "--lammps", sleeper, "-o", "I.h5", status=1)
+    refused("I.h5.lammps --force --collect", *ENGINE, "--lammps", sleeper, "-o", "I.h5", status=1, way=warmly)
     pathlib.Path("Q.h5.lammps").write_text("mine")
-    refused("Q.h5.lammps", *ENGINE, "--lammps", sleeper, "--force", "-o", "Q.h5", status=1)
+    refused("Q.h5.lammps", *ENGINE, "--lammps", sleeper, "--force", "-o", "Q.h5", status=1, way=warmly)
     assert pathlib.Path("Q.h5.lammps").read_text() == "mine"
 
 

@@ -14,7 +14,9 @@ STUBS = {
     "nproc": "echo 3",
     "id": 'echo "${FAKE_UID:-0}"',
     "ninja": ":",
-    "dpkg-query": """for package; do :; done; if grep -qx "$package" "$HERE/installed"; then printf installed; else exit 1; fi""",
+    "dpkg-query": """for package; do :; done
+while read -r name; do if [ "$name" = "$package" ]; then printf installed; exit; fi; done <"$HERE/installed"
+exit 1""",
     "apt-get": """echo "apt-get $*" >>"$HERE/log"
 if [ "$1" = "${APT_FAILS:-none}" ]; then exit 100; fi
 if [ "$1" = install ]; then for package; do echo "$package" >>"$HERE/installed"; done; fi""",
@@ -59,7 +61,7 @@ class Checkout:
         for tool in filter(shutil.which, TOOLS):
             (self.bin / tool).symlink_to(shutil.which(tool))
         for name, body in STUBS.items():
-            (self.bin / name).write_text(f"#!/usr/bin/env bash\n{body}\n")
+            (self.bin / name).write_text(f"#!/bin/sh\n{body}\n")  # many of them: no bash for each
             (self.bin / name).chmod(0o755)
         (self.here / "installed").write_text("\n".join(installed) + "\n")
         (self.here / "command").write_text(COMMAND)

@@ -48,8 +48,8 @@ def temporaries():
 
 def phases_that_do_not_look():
     """A second of work after the signal a process is ended, wherever it is, and has acknowledged the signal before."""
-    for name, words, work in (("placing", ["pack", *PLACING, "-o", "placing.h5"], 0.3),
-                              ("signal", ["study", *SIGNAL, "--store", "long", "--jobs", 1], 1)):
+    for name, words, work in (("placing", ["pack", *PLACING, "-o", "placing.h5"], 0.1),
+                              ("signal", ["study", *SIGNAL, "--store", "long", "--jobs", 1], 0.5)):
         process = start(*words)
         wait_for_work(process, work)
         before = worked(process)

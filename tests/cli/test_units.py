@@ -172,7 +172,7 @@ def study():
     run("study", "study.cfg", "--store=store", "--jobs=2", "-q")
     check_command("study", "study.cfg", "--store=store")
     for name in "ctof scaling planes statics moduli probes spectrum ensemble signal".split():
-        for scene in ([], ["study.cfg"]):
+        for scene in ([], ["study.cfg"]) if name in ("ctof", "signal") else ([],):
             one = ["--pressure=75 MPa", "--grains=66"] if name in ("signal", "spectrum") and not scene else []
             check_command("table", name, "--store=store", *scene, *one)
     # the material of the store is that of its samples, and --material replaces it

@@ -173,7 +173,7 @@ def packings():
     print("seed", seed)
     rng = np.random.default_rng(seed)
     for dim, friction, grains, width in ((2, 0.5, 170, 13), (2, 0, 110, 10), (3, 0.5, 70, 4), (3, 0, 120, 4.5)):
-        for share in (0, 0.1, 0.5):
+        for share in (0, 0.3 if friction else 0.1):
             label = f"{dim}D, friction {friction}, {share} of the contacts gone:"
             path = pack("packing.h5", SOURCE / "packings" / ("spheres.cfg" if dim == 3 else "single.cfg"), friction=friction,
                         grains=grains, width=width)

@@ -13,6 +13,7 @@ import numpy as np
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
 from cells import box_of_disks, lattice, write_packing  # noqa: E402
+from command import sanitized, warmly  # noqa: E402
 from common import expect, faults, names_all, packed_zeros  # noqa: E402
 
 COMMAND, SOURCE = sys.argv[1], sys.argv[2]
@@ -21,18 +22,12 @@ SEED = 20240611
 FOLDER = tempfile.mkdtemp(prefix="sonopack-hdf5-")
 
 
-def limit_memory():
-    """A file must not make the reader ask for the moon."""
-    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
-
-
-# A build with sanitizers maps terabytes, and cannot run under the limit at all.
-trial = subprocess.run([COMMAND, "help", "convert"], capture_output=True, preexec_fn=limit_memory)
-LIMIT = limit_memory if trial.returncode == 0 else None
+if not sanitized():  # such a build maps terabytes
+    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))  # a file must not make the reader ask for the moon
 
 
 def run(*words):
-    return subprocess.run([COMMAND, *words], capture_output=True, text=True, timeout=1200, preexec_fn=LIMIT)
+    return subprocess.run([COMMAND, *words], capture_output=True, text=True, timeout=1200)
 
 
 def path(name):
@@ -44,7 +39,7 @@ def to_text(source):
     out = path("out.txt")
     if os.path.exists(out):
         os.remove(out)
-    result = run("convert", source, out)
+    result = warmly("convert", source, out)
     text = open(out).read() if os.path.exists(out) else None
     expect((result.returncode == 0) == (text is not None), f"{source}: status {result.returncode} and a file, or not")
     return result.returncode, result.stderr, text
@@ -157,10 +152,10 @@ def test_missing():
 
 
 def test_types_and_shapes():
-    for name in ARRAYS + NUMBERS:
-        forgery(lambda f: replace(f, name, np.zeros(f[name].shape, dtype="i8")), "/" + name)
-        forgery(lambda f: replace(f, name, "text"), "/" + name)
-        forgery(lambda f: replace(f, name, np.zeros(f[name].shape, dtype="c16")), "/" + name)
+    wrong = [lambda shape: np.zeros(shape, "i8"), lambda shape: "text", lambda shape: np.zeros(shape, "c16")]
+    for k, name in enumerate(ARRAYS + NUMBERS):  # each of one wrong type, the first array and number of all three
+        for data in wrong if name in (ARRAYS[0], NUMBERS[0]) else wrong[k % 3:][:1]:
+            forgery(lambda f: replace(f, name, data(f[name].shape)), "/" + name)
     for name in INTEGERS:
         forgery(lambda f: replace(f, name, np.zeros(f[name].shape)), "/" + name)
     for name in ARRAYS + ["connectivity/contacts", "sonopack/walls/contacts"]:
@@ -188,18 +183,17 @@ def test_types_and_shapes():
 
 
 def test_values():
-    for name in ARRAYS[:-1] + NUMBERS[:3]:
-        for value in (np.nan, np.inf, -np.inf):
+    for k, name in enumerate(ARRAYS[:-1] + NUMBERS[:3]):
+        for value in (np.nan, (np.inf, -np.inf)[k % 2]):
             forgery(set_element(name, () if name in NUMBERS else (0,) * (3 if "position" in name else 1), value))
     forgery(set_element("sonopack/contacts/tangential_force", (5, 0), np.nan), "5")
     forgery(set_element("particles/grains/radius", 3, 0.0), "3")
     forgery(set_element("particles/grains/radius", 3, -0.5), "3")
     forgery(set_element("particles/grains/position/value", (0, 7, 0), 24.5), "7")
-    for value in (200, 2**31 - 1, -3):
-        forgery(set_element("connectivity/contacts", (9, 1), value), "9")
-        forgery(set_element("connectivity/contacts", (9, 0), value), "9")
-        forgery(set_element("sonopack/walls/contacts", (0, 0), value))
-        forgery(set_element("sonopack/walls/contacts", (0, 1), value))
+    for end in (0, 1):
+        for value in (200, (2**31 - 1, -3)[end]):
+            forgery(set_element("connectivity/contacts", (9, end), value), "9")
+            forgery(set_element("sonopack/walls/contacts", (0, end), value))
     huge = lambda f: replace(f, "connectivity/contacts", f["connectivity/contacts"][()].astype("i8") + 2**40)
     forgery(huge, "0")
     forgery(set_element("sonopack/contacts/normal", (9, 0), 0.9), "9")
@@ -283,7 +277,8 @@ def test_layouts_that_cost_too_much():
     forgery(anew(radius, (entries,), (entries,), packed(8 * entries), compression="gzip"), radius, "chunks")
     forgery(anew(radius, (200,), (2**24,), first(np.full(200, 0.5)), maxshape=(None,), compression="gzip"), radius, "chunks")
     # in chunks of 64 MB: other arrays have fewer entries
-    forgery(anew(radius, (2**28,), (2**23,), lambda d: [d.id.write_direct_chunk((k * 2**23,), packed_zeros(2**26))
+    chunk = packed_zeros(2**26)
+    forgery(anew(radius, (2**28,), (2**23,), lambda d: [d.id.write_direct_chunk((k * 2**23,), chunk)
                                                        for k in range(32)], compression="gzip"), "position", str(2**28))
     # all in one chunk of 72 MB, as other programs write each frame: judged like any other
     frame = np.repeat(np.random.default_rng(1).random(3 * 2**18), 12)
@@ -342,7 +337,7 @@ def made(name, packing):
 def test_files_of_h5py_are_read_and_written_again():
     for name, packing in (("tilted", TILTED), ("sheared", SHEARED), ("box", BOX), ("straight", lattice(2))):
         first, second = made(name + ".h5", packing), again(name)
-        result = run("convert", first, second)
+        result = warmly("convert", first, second)
         expect(result.returncode == 0, f"{name}: {result.stderr}")
         with h5py.File(first) as a, h5py.File(second) as b:
             expect(b["sonopack"].attrs["format"] == 3, f"{name}: format")
@@ -371,7 +366,7 @@ def edges(change):
 
 
 def test_forged_cells():
-    for source in ("tilted", "sheared", "box", "straight"):
+    for source in ("tilted", "box"):
         forgery(lambda f: f.pop("sonopack/cell"), "/sonopack/cell", of=again(source))
         forgery(lambda f: f.pop("sonopack/gravity"), "/sonopack/gravity", of=again(source))
         forgery(lambda f: replace(f, "sonopack/cell", "sphere"), "/sonopack/cell", "sphere", of=again(source))
@@ -380,8 +375,9 @@ def test_forged_cells():
         forgery(lambda f: replace(f, "sonopack/gravity", 1), "/sonopack/gravity", of=again(source))
         forgery(lambda f: replace(f, "sonopack/cell", "piston"), "boundary", of=again(source))
         forgery(lambda f: f["sonopack"].attrs.__setitem__("format", 1), "boundary", of=again(source))
+    for source in ("tilted", "sheared", "box", "straight"):
         forgery(lambda f: replace(f, "particles/grains/box/edges", np.ones(4)), "/particles/grains/box/edges", of=again(source))
-        forgery(lambda f: replace(f, "particles/grains/box/edges", 5.0), "/particles/grains/box/edges", of=again(source))
+    forgery(lambda f: replace(f, "particles/grains/box/edges", 5.0), "/particles/grains/box/edges", of=again("sheared"))
     forgery(lambda f: replace(f, "sonopack/cell", "periodic"), "boundary", of=again("box"))
     forgery(lambda f: replace(f, "particles/grains/box/edges", np.eye(2)), "/particles/grains/box/edges", of=again("box"))
 
@@ -424,7 +420,7 @@ def test_forged_cells():
 # ---- damage ----------------------------------------------------------------------------------------------------------
 def test_truncation():
     data = open(GOOD, "rb").read()
-    lengths = sorted(set(list(range(0, 100, 25)) + [len(data) * k // 12 for k in range(12)] + [len(data) - 1]))
+    lengths = sorted(set(list(range(0, 100, 25)) + [len(data) * k // 7 for k in range(7)] + [len(data) - 1]))
     for length in lengths:
         with open(path("short.h5"), "wb") as f:
             f.write(data[:length])
@@ -448,7 +444,7 @@ def test_foreign_files():
     expect(status == 1 and names_all(reason, "words.h5"), reason)
 
 
-def test_flipped_bytes(count=40):
+def test_flipped_bytes(count=20):
     """All that the packing needs lies under checksums: a flipped bit gives a reason, or hits what nobody reads."""
     data = bytearray(open(GOOD, "rb").read())
     draw = random.Random(SEED)

@@ -14,6 +14,7 @@ import h5py
 import numpy as np
 
 sys.path[:0] = [str(pathlib.Path(__file__).resolve().parent.parent / "cli"), str(pathlib.Path(sys.argv[1]).parent / "python")]
+from command import sanitized  # noqa: E402
 from common import names_all, packed_zeros  # noqa: E402
 from network_oracle import Network  # noqa: E402
 
@@ -27,18 +28,12 @@ FOLDER = pathlib.Path(tempfile.mkdtemp(prefix="sonopack-modes-"))
 SEED = 20261122
 
 
-def limit_memory():
-    """A file must not make the reader ask for the moon."""
-    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))
-
-
-# A build with sanitizers maps terabytes, and cannot run under the limit at all.
-trial = subprocess.run([COMMAND, "help", "modes"], capture_output=True, preexec_fn=limit_memory)
-LIMIT = limit_memory if trial.returncode == 0 else None
+if not sanitized():  # such a build maps terabytes
+    resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))  # a file must not make the reader ask for the moon
 
 
 def run(*args, status=0):
-    done = subprocess.run([COMMAND, *map(str, args)], capture_output=True, text=True, preexec_fn=LIMIT)
+    done = subprocess.run([COMMAND, *map(str, args)], capture_output=True, text=True)
     assert done.returncode == status, (args, done.returncode, done.stderr)
     return done
 
@@ -49,8 +44,6 @@ def plot(*args):
     errors = FOLDER / "stderr"
     child = os.fork()
     if child == 0:
-        if LIMIT:
-            LIMIT()
         os.dup2(os.open(errors, os.O_CREAT | os.O_WRONLY | os.O_TRUNC), 2)
         sys.argv = ["sonopack", *map(str, args)]
         start("plot")
@@ -260,7 +253,8 @@ def forgeries():
         shutil.copy(GOOD, copy)
         with h5py.File(copy, "r+") as f:
             put("vector", g["vector"].astype(options.pop("dtype", "<f8")), **options)(f["modes"])
-        run("plot", "mode", PACKING, copy, "--mode", 80, "-o", FOLDER / "yes.png", "--force")
+        status, said = plot("mode", PACKING, copy, "--mode", 80, "-o", FOLDER / "yes.png", "--force")
+        assert status == 0, (options, said)
 
 
 def damage():

@@ -15,7 +15,7 @@ from damage import mutate
 
 COMMAND, SOURCE = sys.argv[1], pathlib.Path(sys.argv[2])
 SEED = int(sys.argv[3]) if len(sys.argv) > 3 else 20050201
-CASES = int(sys.argv[4]) if len(sys.argv) > 4 else 40
+CASES = int(sys.argv[4]) if len(sys.argv) > 4 else 14
 
 
 def run(arguments, folder):

@@ -3,6 +3,8 @@ interrupted or failed job loses nothing that was finished; errors are told once;
 
 usage: test_mpi.py COMMAND SOURCE_DIR MPI_COMMAND      MPI_COMMAND: a build with -DSONOPACK_MPI=ON, or none
 """
+import contextlib
+import fcntl
 import os
 import pathlib
 import resource
@@ -27,12 +29,11 @@ study = { samples = 6; want = ["ctof", "moduli"]; sweep = (
   { key = "packing.grains"; values = [60, 120]; } ); };
 """
 SAMPLES = 24
-# long enough to be stopped in the middle
-# some seconds of work: mpirun takes two until it ends its ranks
-LONGER = """packing = { width = 8; grains = 240; pressure = 1e-7; };
-study = { samples = 40; want = ["statics"]; };
+# samples that take so long that a rank is stopped with one in its hands
+LONGER = """packing = { width = 8; grains = 120; pressure = 1e-5; };
+study = { samples = 30; want = ["statics"]; };
 """
-LONGER_SAMPLES = 40
+LONGER_SAMPLES = 30
 
 
 def start(ranks, *arguments, command=MPI_COMMAND):
@@ -63,6 +64,16 @@ def samples(store):
     return {path.name: path.read_bytes() for path in store.glob("*.h5")}
 
 
+@contextlib.contextmanager
+def held(store):
+    """Meanwhile a quarter of the samples is in the hands of this process, so that a study cannot end, however quick it
+    is and however long mpirun takes to end its ranks."""
+    store.mkdir()
+    with open(store / ".sonopack-lock", "w") as file:
+        fcntl.lockf(file, fcntl.LOCK_EX, 0, 3 << 60)  # a lock for each name, from its first 62 bits
+        yield
+
+
 def modified(store):
     return {path.name: path.stat().st_mtime_ns for path in store.glob("*.h5")}
 
@@ -90,9 +101,9 @@ def same_bytes(folder, scene, text, expected, slow):
         assert samples(store) == expected, (ranks, jobs)
         assert made_now(err) == SAMPLES and len(ours(err)) == 1, err  # each once, and told once
         assert ranks == 1 or names_all(ours(err)[0], ranks), err
-        before = modified(store)
-        out, err = mpirun(ranks, "study", scene, "--store", store, *more)
-        assert out == text and made_now(err) == 0 and modified(store) == before
+    before = modified(store)
+    out, err = mpirun(ranks, "study", scene, "--store", store, *more)
+    assert out == text and made_now(err) == 0 and modified(store) == before
     # shards of several ranks, and tables in a file
     store, table = folder / "shards", folder / "table.tsv"
     for shard in (1, 2):
@@ -115,13 +126,13 @@ def dynamic(folder):
     scene, store = folder / "longer.cfg", folder / "dynamic"
     scene.write_text(LONGER)
     job = start(3, "study", scene, "--store", store)
-    wait_until(lambda: len(modified(store)) >= 12, "twelve samples")
+    wait_until(lambda: len(modified(store)) >= 6, "six samples")
     ranks = sorted(processes(store))
     assert len(ranks) == 3, ranks
+    os.kill(ranks[-1], signal.SIGSTOP)  # the last one to be started: not rank 0
     busy = [cpu_time(rank) for rank in ranks]
     assert min(busy) > 0.25 * max(busy), busy  # all of them make samples
-    os.kill(ranks[-1], signal.SIGSTOP)  # the last one to be started: not rank 0
-    wait_until(lambda: len(samples(store)) >= LONGER_SAMPLES - 1, "the samples of the other ranks")
+    wait_until(lambda: len(modified(store)) >= LONGER_SAMPLES - 1, "the samples of the other ranks")
     assert job.poll() is None
     os.kill(ranks[-1], signal.SIGCONT)
     out, err = job.communicate(timeout=PATIENCE)
@@ -133,16 +144,17 @@ def stopped(folder, slow, scene, text, expected):
     """mpirun or a rank killed, Ctrl-C to mpirun, SIGTERM to one rank: what was finished stays, and the job goes on."""
     def ends(name, act, told):
         store = folder / name
-        job = start(4, "study", scene, "--store", store)
-        wait_until(lambda: len(samples(store)) >= 5, "five samples")
-        act(job, sorted(processes(store)))
-        before = modified(store)
-        out, err = job.communicate(timeout=PATIENCE)
+        with held(store):
+            job = start(4, "study", scene, "--store", store)
+            wait_until(lambda: len(modified(store)) >= 5, "five samples")
+            act(job, sorted(processes(store)))
+            before = modified(store)
+            out, err = job.communicate(timeout=PATIENCE)
+            wait_until(lambda: not processes(store), f"the ranks to end ({name})")
         assert job.returncode != 0 and out == "", (name, job.returncode, out)
         if told:
             lines = [line for line in ours(err) if str(store) in line]  # beside the acknowledgement of the signal
             assert len(lines) == 1 and names_all(lines[0], f"{LONGER_SAMPLES} {store}"), (name, err)
-        wait_until(lambda: not processes(store), f"the ranks to end ({name})")
         kept = modified(store)
         assert before.items() <= kept.items() and len(kept) < LONGER_SAMPLES, (name, len(before), len(kept))
         out, err = mpirun(2, "study", scene, "--store", store)

@@ -44,6 +44,8 @@ def build(scratch):
     # a compiler of C++ is looked for by CMake unless the environment names one
     cxx = next((name for name in ("c++", "g++", "clang++") if shutil.which(name)), None)
     env = dict(os.environ, **({"CXX": cxx} if cxx else {}))
+    if shutil.which("ninja"):  # make takes twice as long
+        env["CMAKE_GENERATOR"] = "Ninja"
     run(CMAKE, "-S", copy, "-B", folder, f"-DCMAKE_PREFIX_PATH={prefix}", f"-DCMAKE_C_COMPILER={CC}",
         "-DCMAKE_C_FLAGS=-Werror", "-DCMAKE_CXX_FLAGS=-Werror", "-DCMAKE_BUILD_TYPE=Release", env=env)
     run(CMAKE, "--build", folder, env=env)

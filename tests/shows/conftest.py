@@ -2,8 +2,12 @@
 import os
 import pathlib
 import subprocess
+import sys
 
 import pytest
+
+sys.path.append(str(pathlib.Path(__file__).parents[1] / "cli"))
+from warm import warm  # noqa: E402
 
 SOURCE = pathlib.Path(__file__).parents[2]
 
@@ -19,7 +23,8 @@ def sonopack(tmp_path):
     """Runs `sonopack ARGUMENTS` in a folder of its own; the exit status must be `status`. Returns the process with its
     stdout and stderr."""
     def run(*arguments, status=0, **more):
-        done = subprocess.run([os.environ["SONOPACK"], *map(str, arguments)], text=True, capture_output=True,
+        command = warm(os.environ["SONOPACK"]) / "sonopack"
+        done = subprocess.run([command, *map(str, arguments)], text=True, capture_output=True,
                               cwd=more.pop("cwd", tmp_path), **more)
         assert done.returncode == status, f"{arguments}: status {done.returncode}\n{done.stderr}"
         return done

@@ -62,7 +62,7 @@ static double line_field(double height, int lines, double y) {
 
 /* f . K^+ f for a positive K and a force f in its range, by elimination with the largest pivot. Destroys both. */
 static quad work_of(int n, quad *k, quad *f) {
-    bool *done = calloc((size_t)n, sizeof *done);
+    bool *done = calloc(n > 0 ? (size_t)n : 0, sizeof *done);
     quad first = 0, work = 0;
     for (int turn = 0; turn < n; turn++) {
         int best = -1;

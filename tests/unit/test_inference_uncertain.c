@@ -123,7 +123,7 @@ TEST(test_agreement) {
                               {.measured = SP_MEASURED_OVERLAPS, .position = 1e-6},
                               {.measured = SP_MEASURED_OVERLAPS, .radius = 1e-6}};
     FREED(sp_packing) p = reference_packing(SMALL);
-    for (size_t k = 0; k < sizeof each / sizeof *each; k++)
+    for (size_t k = 0; k < sizeof each / sizeof *each; k += SANITIZED_STEP(3))
         check_agreement(&p, &each[k]);
 }
 

@@ -98,7 +98,7 @@ TEST(test_every_cell) {
     static const sp_cell cell[] = {SP_CELL_PISTON, SP_CELL_PERIODIC, SP_CELL_BOX};
     static const double friction[] = {0, 0.3, 1};
     int64_t spinning = 0;
-    for (int q = 0; q < 36; q++) {
+    for (int q = 2 % SANITIZED_STEP(3); q < 36; q += SANITIZED_STEP(3)) {
         const bool prestress = q % 2, space = q / 2 % 2, rough = q / 4 % 3 > 0, periodic = q / 12 == 1;
         const sp_pack_spec spec = spec_of(space ? 3 : 2, cell[q / 12], friction[q / 4 % 3]);
         sp_packing p = make_packing(&spec);

@@ -212,9 +212,9 @@ TEST(test_blocks) {
     }
     assert_true(fabs(g.homogeneity) < 1e-11 * g.homogeneity_size);
     c.o.parameters = SP_BY_KN;
-    for (int k = 3; k < net.n_springs; k += 2000)
+    for (int k = 3; k < net.n_springs; k += 2000 * SANITIZED_STEP(4))
         assert_derivative(&p, false, (parameter){SP_BY_KN, k}, g.kn.d[k], 1e-3, value_of, &c, size);
-    for (int k = 3; k < net.n; k += 1000)
+    for (int k = 3; k < net.n; k += 1000 * SANITIZED_STEP(4))
         assert_derivative(&p, false, (parameter){SP_BY_MASS, k}, g.mass.d[k], 1e-3, value_of, &c, size);
 }
 
@@ -245,7 +245,7 @@ static double front_value(const sp_network *net, void *with) {
 
 static void compare_fronts(const sp_packing *p, front_case *c) {
     FREED(sp_network) net = network_of(p, false);
-    for (int q = 0; q < 5; q++) {
+    for (int q = 0; q < 5; q += SANITIZED_STEP(2)) {
         FREED(sp_front_gradient) g;
         c->which = (sp_front_quantity)(1 << q);
         c->o.parameters = SP_BY_KN | SP_BY_KT | SP_BY_MASS | SP_BY_RADIUS | SP_BY_POSITION;

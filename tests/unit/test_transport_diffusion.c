@@ -93,6 +93,7 @@ static sp_network two_masses(int columns, int rows, double part, unsigned random
 /* Masses that differ a little scatter little: a wide delta cuts the motion off before it is scattered, and the error of
  * D says how much is missing. */
 TEST(test_shift) {
+    SKIP_SANITIZED();
     FREED(sp_network) net = two_masses(24, 24, 0.35, 1);
     FREED(sp_modes) modes = modes_of(&net);
     for (int part = 4; part < 7; part++) {

@@ -13,6 +13,7 @@ import subprocess
 import time
 
 import pytest
+from warm import warm
 
 ITEMS = [f"table{k}" for k in range(1, 6)] + [f"fig{k}" for k in range(1, 13)] + ["claims"]
 SOME = ["table1", "fig1", "fig3", "fig8", "fig12"]
@@ -20,7 +21,8 @@ VOID = {"meta", "img", "br", "hr", "link"}
 
 
 def run(*arguments, status=0):
-    done = subprocess.run([os.environ["SONOPACK"], "reproduce", *map(str, arguments)], text=True, capture_output=True)
+    command = warm(os.environ["SONOPACK"]) / "sonopack"
+    done = subprocess.run([command, "reproduce", *map(str, arguments)], text=True, capture_output=True)
     assert done.returncode == status, f"{arguments}: status {done.returncode}\n{done.stderr}"
     return done
 

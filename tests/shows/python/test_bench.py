@@ -14,7 +14,7 @@ def bench(*arguments, status=0):
 
 
 def test_rows():
-    text, _ = bench("signal", "modes", "moduli", "--packing", N200, "--until", 20, "--seconds", 0.1)
+    text, _ = bench("signal", "modes", "moduli", "--packing", N200, "--until", 20, "--seconds", 0.03)
     assert "# auto = " in text
     header, *rows = [line.split("\t") for line in text.splitlines() if not line.startswith("#")]
     assert header == ["case", "method", "parameter", "seconds", "error", "memory_MB"]
@@ -29,7 +29,7 @@ def test_rows():
 
 
 def test_default_networks():
-    text, _ = bench("moduli", "--seconds", 0.1)
+    text, _ = bench("moduli", "--seconds", 0.03)
     assert all(name in text for name in ("packing_N200_p1e-4.txt", "packing_N600_p1e-4.txt", "piston30", "lattice3600"))
 
 

@@ -122,7 +122,7 @@ def test_ctrl_c_without_progress():
                  'sonopack.study(sonopack.Scene(packing={"grains": 20000, "width": 60}), "big")'):
         child = subprocess.Popen([sys.executable, "-B", "-c", CHILD.format(work=work)], stdout=subprocess.PIPE, text=True)
         assert child.stdout.readline() == "begun\n", work
-        wait_for_work(child, 0.5)
+        wait_for_work(child, 0.2)
         child.send_signal(signal.SIGINT)
         words = child.stdout.read().split()
         assert child.wait() == 3 and words == ["interrupted", str(EXPECTED.hash)], (work, child.returncode, words)
