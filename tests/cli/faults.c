@@ -3,8 +3,10 @@
  *                 foreign   those of the C library and all others
  *                 read write open close stat sync rename lock truncate unlink mkdir list thread clock locale load stdio
  *                 change    whatever changes files
- *   FAULTS_DIR    a folder, as a real path: only calls on files inside count. Of the write that fails first, half of
- * the bytes are written. "": all calls count FAULTS_AT     1, 2, ...: the call; 0: none, so that calls are only counted
+ *   FAULTS_DIR    a folder, as a real path: only calls on files inside count. "": all calls count
+ *                 Of the write that fails first, half of the bytes are written.
+ *   FAULTS_AT     1, 2, ...: the call; 0: none, so that calls are only counted
+ *   FAULTS_WITHIN addresses of the first and the last function of HDF5 in the program: what it asks for is foreign
  *   FAULTS_DO     ONCE, or ON: all later calls fail as well
  *   FAULTS_ERROR  a number of errno.h; ENOSPC and EDQUOT in a folder spare what frees room. Else
  *                 SHORT   a part of the bytes (read, write)
@@ -52,6 +54,7 @@ static const char *const kinds[] = {"own",    "foreign", "read",   "write",    "
 enum { KINDS = sizeof kinds / sizeof *kinds };
 static atomic_long calls[KINDS];
 static uintptr_t program, program_end; /* its code */
+static uintptr_t within, within_end;   /* HDF5's, where the program holds it */
 
 #define REAL(type, name, ...)                                                                                          \
     static type (*real)(__VA_ARGS__);                                                                                  \
@@ -64,6 +67,8 @@ static int range_of(struct dl_phdr_info *info, size_t size, void *nothing) {
         if (info->dlpi_phdr[k].p_type == PT_LOAD && info->dlpi_phdr[k].p_flags & PF_X) {
             program = info->dlpi_addr + info->dlpi_phdr[k].p_vaddr;
             program_end = program + info->dlpi_phdr[k].p_memsz;
+            within += within > 0 ? info->dlpi_addr : 0;
+            within_end += within_end > 0 ? info->dlpi_addr : 0;
         }
     return 1; /* the program is the first */
 }
@@ -81,6 +86,9 @@ __attribute__((constructor)) static void begin(void) {
     once = strcmp(word_of("FAULTS_DO"), "ONCE") == 0;
     call = word_of("FAULTS_CALL");
     folder = word_of("FAULTS_DIR");
+    char *end = NULL;
+    within = strtoul(word_of("FAULTS_WITHIN"), &end, 10);
+    within_end = strtoul(end, NULL, 10);
     dl_iterate_phdr(range_of, NULL);
     counting = true;
 }
@@ -188,7 +196,10 @@ static bool frees(const char *kind, bool counts) {
 
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
-static bool from_program(const void *caller) { return (uintptr_t)caller >= program && (uintptr_t)caller < program_end; }
+static bool from_program(const void *caller) {
+    const uintptr_t at_code = (uintptr_t)caller;
+    return at_code >= program && at_code < program_end && !(at_code >= within && at_code < within_end);
+}
 
 #define SHORT_OF_MEMORY hit(from_program(__builtin_return_address(0)) ? "own" : "foreign", true, false)
 

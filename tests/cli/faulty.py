@@ -142,6 +142,14 @@ def made_inputs(folder, source):
         subprocess.run([COMMAND, *line.replace("{in}", str(folder)).split()], check=True, capture_output=True)
 
 
+def hdf5_within(command):
+    """From where to where the command's code is HDF5's, which calls the C library on its own account."""
+    lines = [line.split() for line in subprocess.run(["nm", command], text=True, capture_output=True).stdout.splitlines()]
+    code = sorted((int(words[0], 16), words[2]) for words in lines if len(words) == 3 and words[1] in "tT")
+    theirs = [k for k, (_, name) in enumerate(code) if name.startswith("H5") and "." not in name]
+    return f"{code[theirs[0]][0]} {code[theirs[-1] + 1][0]}" if theirs else "0 0"
+
+
 def content(folder):
     return {str(path.relative_to(folder)): path.read_bytes() for path in sorted(folder.rglob("*")) if path.is_file()}
 
@@ -160,6 +168,7 @@ class Faulty:
 
     def __init__(self, preload, inputs, work):
         self.preload, self.inputs, self.work = preload, inputs, work
+        self.within = hdf5_within(COMMAND)
         self.reference = {}
         self.before = identities(inputs)
 
@@ -171,7 +180,8 @@ class Faulty:
             shutil.copytree(self.inputs / "store", self.work / "store")
         count = self.work.parent / "count"
         environment = {**os.environ, "LC_ALL": "C", "LD_PRELOAD": str(self.preload), "FAULTS_CALL": kind,
-                       "FAULTS_DO": how, "FAULTS_ERROR": str(error), "FAULTS_AT": str(at), "FAULTS_COUNT": str(count)}
+                       "FAULTS_DO": how, "FAULTS_ERROR": str(error), "FAULTS_AT": str(at), "FAULTS_COUNT": str(count),
+                       "FAULTS_WITHIN": self.within}
         count.unlink(missing_ok=True)
         words = line.replace("@store", "store").split()
         if "--threads" not in line and words[0] not in ("help", "--version"):
