@@ -28,8 +28,8 @@ def start(*words, **options):
 
 def tried(*words, command=None, **options):
     """The process, however it ended."""
-    return subprocess.run([command or COMMAND, *map(str, words)], **{"stdin": subprocess.DEVNULL, "capture_output": True, "text": True,
-                                                          "timeout": PATIENCE, **options})
+    return subprocess.run([command or COMMAND, *map(str, words)],
+                          **{"stdin": subprocess.DEVNULL, "capture_output": True, "text": True, "timeout": PATIENCE, **options})
 
 
 def warmly(*words, **options):
@@ -110,9 +110,11 @@ def sanitized():
     return "libasan" in subprocess.run(["ldd", COMMAND], capture_output=True, text=True).stdout
 
 
-def main(*tests):
-    """Runs the tests. One that cannot run here returns the reason: the exit status is 77 then."""
-    skipped = False
+def main(*tests, begun=False):
+    """Runs the tests. One that cannot run here returns the reason: the exit status is 77 then. begun: the commands of
+    Python are begun once for all (warm.py)."""
+    global COMMAND
+    skipped, COMMAND = False, str(warm(COMMAND) / "sonopack") if begun else COMMAND
     with tempfile.TemporaryDirectory(prefix="sonopack-test-") as folder:
         os.chdir(folder)
         for test in tests:

@@ -67,8 +67,8 @@ static int range_of(struct dl_phdr_info *info, size_t size, void *nothing) {
         if (info->dlpi_phdr[k].p_type == PT_LOAD && info->dlpi_phdr[k].p_flags & PF_X) {
             program = info->dlpi_addr + info->dlpi_phdr[k].p_vaddr;
             program_end = program + info->dlpi_phdr[k].p_memsz;
-            within += within > 0 ? info->dlpi_addr : 0;
-            within_end += within_end > 0 ? info->dlpi_addr : 0;
+            within += info->dlpi_addr;
+            within_end += info->dlpi_addr;
         }
     return 1; /* the program is the first */
 }
@@ -197,8 +197,8 @@ static bool frees(const char *kind, bool counts) {
 /* ---- memory ------------------------------------------------------------------------------------------------------ */
 
 static bool from_program(const void *caller) {
-    const uintptr_t at_code = (uintptr_t)caller;
-    return at_code >= program && at_code < program_end && !(at_code >= within && at_code < within_end);
+    const uintptr_t code = (uintptr_t)caller;
+    return code >= program && code < program_end && !(code >= within && code < within_end);
 }
 
 #define SHORT_OF_MEMORY hit(from_program(__builtin_return_address(0)) ? "own" : "foreign", true, false)

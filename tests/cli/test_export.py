@@ -10,9 +10,7 @@ import struct
 import numpy as np
 import scipy.io
 
-import command
 from command import MATERIAL, main, pack, refused, run, table
-from warm import warm
 
 # The words of a SAC header in their order, "-" for those that no program may use.
 SAC_NUMBERS = ("delta depmin depmax scale odelta b e o a - t0 t1 t2 t3 t4 t5 t6 t7 t8 t9 f resp0 resp1 resp2 resp3 resp4 "
@@ -96,5 +94,4 @@ def refusals():
         refused("No space left", "signal", "P.h5", "--points", 11, "-o", f"o.{ending}", status=1)
 
 
-command.COMMAND = str(warm(command.COMMAND) / "sonopack")
-main(one_signal, several_signals, refusals)
+main(one_signal, several_signals, refusals, begun=True)

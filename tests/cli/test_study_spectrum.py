@@ -9,11 +9,9 @@ import shutil
 import h5py
 import numpy as np
 
-import command
 from command import main, refused, run, sets, table, tables
 from common import made_now, names_all
 from network_oracle import Network
-from warm import warm
 
 COLUMNS = ["omega", "low", "high", "density", "density_err", "density_low", "density_high", "cumulative",
            "cumulative_err"]
@@ -206,5 +204,4 @@ def sweeps():
     assert [len(t) for t in tables(run("table", "signal", "sweep.cfg", "--store", "sweep").stdout)] == [41, 41]
 
 
-command.COMMAND = str(warm(command.COMMAND) / "sonopack")
-main(frequencies, histograms, zero_modes, intervals, other_parts_join, resumed, unlike_samples, too_large, sweeps)
+main(frequencies, histograms, zero_modes, intervals, other_parts_join, resumed, unlike_samples, too_large, sweeps, begun=True)

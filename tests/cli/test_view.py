@@ -14,10 +14,8 @@ import h5py
 import numpy as np
 
 from cells import box_of_disks, lattice, matrix_of, write_packing
-import command
 from command import MATERIAL, SOURCE, main, pack, run, table, tried
 from common import LOOSE, expect, names_all
-from warm import warm
 
 TYPES = {"uint8": "u1", "int8": "i1", "int16": "<i2", "uint16": "<u2", "int32": "<i4", "float32": "<f4"}
 FLOAT = 6e-8  # relative rounding of a float of 32 bits
@@ -275,5 +273,4 @@ def refusals():
         expect({path: path.read_bytes() for path in pathlib.Path().iterdir()} == before, f"{words}: has written")
 
 
-command.COMMAND = str(warm(command.COMMAND) / "sonopack")
-main(scenes, alone, sizes, material, several, names, loose, refusals)
+main(scenes, alone, sizes, material, several, names, loose, refusals, begun=True)

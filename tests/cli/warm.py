@@ -19,6 +19,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import traceback
 
 # stands where the command looks for sonopack-NAME: hands itself over, and ends as the fork did
 CALLER = """#!/usr/bin/python3 -SEB
@@ -73,6 +74,24 @@ def load(package):
         figure.savefig(io.BytesIO(), format="png")
 
 
+def status_of(program):
+    """Runs a program to its end, and what it has left to be done then."""
+    status = 0
+    try:
+        runpy.run_path(program, run_name="__main__")
+    except SystemExit as end:
+        status = end.code if isinstance(end.code, int) else int(end.code is not None)
+        if isinstance(end.code, str):
+            print(end.code, file=sys.stderr)
+    except BaseException:
+        traceback.print_exc()
+        status = 1
+    atexit._run_exitfuncs()
+    sys.stdout.flush()
+    sys.stderr.flush()
+    return status
+
+
 def take(client):
     """In a fork: reads a call, runs its program in a fork of its own, and answers how that ended."""
     length, files, _, _ = socket.recv_fds(client, 8, 3)
@@ -90,8 +109,7 @@ def take(client):
     os.environ.clear()
     os.environ.update(environment)
     sys.argv = [program, *words]
-    runpy.run_path(program, run_name="__main__")
-    sys.exit()
+    os._exit(status_of(program))  # taking all modules down again would take longer than most commands
 
 
 def serve(address, package):

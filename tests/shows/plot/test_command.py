@@ -74,8 +74,8 @@ def test_a_store_is_drawn(sonopack, folder):
     assert any("tof" in word for word in words_of(folder / "x.svg"))
 
 
-@pytest.mark.parametrize("number, early", [(signal.SIGINT, True), (signal.SIGINT, False), (signal.SIGTERM, False),
-                                           (signal.SIGHUP, False)])
+@pytest.mark.parametrize("early", [True, False])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_the_command_without_traces(folder, number, early):
     """At the start, and once the draft of the figure is there."""
     work = subprocess.Popen([os.environ["SONOPACK"], "plot", "signal", "s.tsv", "-o", "x.pdf", "--force"], cwd=folder,
