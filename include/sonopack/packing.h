@@ -183,6 +183,8 @@ SP_API sp_status sp_statics_make(const sp_packing *p, double threshold, double m
 /* Mass over volume of the grains that are no rattlers [rho], in the same bulk: the density that long waves feel. For
  * spheres of unit density it is phi3s. NAN if the bulk is empty. SP_ENOMEM. */
 SP_API sp_status sp_packing_density(const sp_packing *p, double threshold, double margin, double *out, sp_error *err);
+/* The same where the rattlers are known: rattler [n], or NULL if none is one. Reads no contacts. */
+SP_API double sp_packing_density_of(const sp_packing *p, const uint8_t *rattler, double margin);
 
 /* ---- compression -------------------------------------------------------------------------------------------- */
 

@@ -30,7 +30,7 @@ STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # signals that end a com
 
 #: the module of each command
 MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command",
-           "pack-lammps": "formats.engine", "modes-slepc": "engines.modes",
+           "pack-lammps": "formats.engine", "modes-slepc": "engines.modes", "moduli-petsc": "engines.moduli",
            "signal-petsc": "engines.signals", "bench": "bench", "save-table": "formats.tables"}
 
 #: which Debian package brings a module

@@ -16,6 +16,7 @@ typedef struct probe {
 typedef struct arguments {
     cli_common common;
     double margin;
+    int engine; /* 1: PETSc */
     int probes, strains;
     probe probe[PROBES_MAX];
     double strain[PROBES_MAX];
@@ -67,6 +68,8 @@ static sp_status check(void *user, sp_error *err) {
     return SP_OK;
 }
 
+static const char *const engine_words[] = {"sonopack", "petsc", NULL};
+
 static const cli_option options[] = {
     {"margin", "D", "Leave layers of this thickness at all walls out of the density [d] (3)", CLI_NUMBER,
      CLI_FIELD(margin), .high = 1e6},
@@ -77,6 +80,9 @@ static const cli_option options[] = {
     {"strain", "EPS",
      "Moduli at a finite strain of 1e-12 to 0.01, with the full contact law instead of linear springs (repeatable)",
      .parse = add_strain},
+    {.help = "Beyond one machine (docs/cluster.md):"},
+    {"engine", "sonopack|petsc", "Program that computes the moduli; petsc: on N ranks after mpirun -n N (sonopack)",
+     CLI_CHOICE, CLI_FIELD(engine), .words = engine_words},
     {0}};
 
 const cli_syntax cmd_moduli_syntax = {
@@ -342,5 +348,7 @@ int cmd_moduli(int argc, char **argv) {
     static const cli_files command = {CLI_OF_NETWORK, .add = add_rows};
     arguments a = {.margin = 3};
     cli_parse(&cmd_moduli_syntax, argc, argv, &a);
+    if (a.engine)
+        return cmd_engine("sonopack moduli-petsc", argc, argv);
     return cli_run_files(&command, &a);
 }

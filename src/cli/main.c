@@ -12,7 +12,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-extern void openblas_set_num_threads(int threads) __attribute__((weak)); /* other BLAS do not have it */
+extern void openblas_set_num_threads(int threads) __attribute__((weak)); /* other BLAS do not have them */
+extern int blas_thread_shutdown_(void) __attribute__((weak));
 
 static int help(int argc, char **argv);
 
@@ -145,13 +146,17 @@ static void keep_standard_files(void) {
             _Exit(CLI_FAILED);
 }
 
-/* If the address space is limited, OpenBLAS cannot start its threads, and would wait for them for ever when the process
- * ends. All files are closed by now. */
-static void leave(int status, void *nothing) {
+/* If the address space is limited, OpenBLAS cannot start its threads, and would wait for ever for them to end. */
+static bool may_lack_threads(void) {
     struct rlimit space;
+    return getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY;
+}
+
+/* All files are closed by now. */
+static void leave(int status, void *nothing) {
     (void)nothing;
     sp_drafts_abandon(); /* of other threads, if one has ended the process */
-    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
+    if (may_lack_threads())
         _exit(status);
 }
 
@@ -167,10 +172,12 @@ static bool has_stack(void) {
 }
 
 /* OpenBLAS on one thread: its sums then do not depend on the number of cores, and samples that are computed side by
- * side do not take each other's cores. */
+ * side do not take each other's cores. Its other threads, which have begun with the process, spin for 30 ms: they end. */
 static void use_one_blas_thread(void) {
     if (openblas_set_num_threads)
         openblas_set_num_threads(1);
+    if (openblas_set_num_threads && blas_thread_shutdown_ && !may_lack_threads())
+        blas_thread_shutdown_();
 }
 
 int main(int argc, char **argv) {

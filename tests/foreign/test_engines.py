@@ -1,4 +1,4 @@
-"""modes --engine slepc and signal --engine petsc on one rank, two and four: the table of the command alone, within both
+"""modes --engine slepc, moduli and signal --engine petsc on one rank, two and four: the table of the command alone, within both
 bounds, in two and three dimensions, with and without friction, in every cell; and what is refused.
 `python3 test_engines.py COMMAND SOURCE_DIR`; 77 without slepc4py, petsc4py, h5py or mpirun."""
 import glob
@@ -35,7 +35,7 @@ def table(text):
     lines = text.splitlines()
     told = dict(line[2:].split(" = ", 1) for line in lines if line.startswith("# ") and " = " in line)
     rows = [line.split("\t") for line in lines if not line.startswith("#")]
-    return told, {name: [float(row[k]) for row in rows[1:]] for k, name in enumerate(rows[0])}
+    return told, {name: [float(row[k]) for row in rows[1:]] for k, name in enumerate(rows[0]) if name != "file"}
 
 
 def same(one, two, bound_one, bound_two):
@@ -67,6 +67,18 @@ def signals(packing, words, ranks):
     assert float(found["error"]) <= 1e-10 * max(map(abs, own["F"])), found["error"]
 
 
+def moduli(packing, words, ranks):
+    _, own = table(run("moduli", packing, *words).stdout)
+    _, theirs = table(run("moduli", packing, *words, "--engine", "petsc", ranks=ranks).stdout)
+    assert list(own) == list(theirs), (list(own), list(theirs))
+    for name in own:
+        (a,), (b,) = own[name], theirs[name]
+        if name.endswith("err"):  # of the same estimate, with other residuals
+            assert 0 < b < 3 * a + 1e-13, (packing, name, a, b)
+        else:
+            assert abs(a - b) < 1e-12 * (1 + abs(a)) or a != a and b != b, (packing, name, a, b)
+
+
 def pack(name, *settings):
     run("pack", *(word for setting in settings for word in ("--set", "packing." + setting)), "-o", name, "-q")
     return name
@@ -83,12 +95,16 @@ for number, (name, cell, dim, friction) in enumerate(CELLS):
     ranks = 1 + number % 2
     modes(name, ["--lowest", "7"], ranks)
     signals(name, PLANES if cell == "periodic" else [], 3 - ranks)
+    moduli(name, [], 3 - ranks)
 modes("piston20.5.h5", ["--band", "0.2:0.5", "--source", "displacement"], 4)
 modes("piston30.5.h5", ["--lowest", "250", "--frequencies-only"], 2)  # more than one slice has
 signals("piston20.5.h5", ["--source", "displacement", "--points", "50"], 4)
 signals("box30.5.h5", ["--source", "velocity", *PLANES], 2)
 modes("piston20.5.h5", ["--lowest", "7", "--threshold", "0.2"], 2)  # more rattlers
 signals("piston20.5.h5", ["--set", "network.threshold=0.2", "--points", "30"], 2)
+moduli("piston20.5.h5", ["--threshold", "0.5", "--margin", "2"], 4)  # almost floppy
+moduli("box30.5.h5", ["--margin", "0.5"], 2)
+moduli("piston30.5.h5", ["--margin", "9"], 2)  # no bulk: no speeds
 
 
 # rank 0 writes one file, in SI too; there are no leftovers
@@ -108,6 +124,9 @@ for words, status, reason in (
         (["modes", "piston20.5.h5", "--engine", "slepc", "--lowest", "3", "--zero"], 2, "--zero"),
         (["modes", "piston20.5.h5", "--engine", "slepc", "--lowest", "3", "-o", "m.tsv"], 2, "exists already"),
         (["modes", "m.tsv", "--engine", "slepc", "--lowest", "3"], 1, "m.tsv"),
+        (["moduli", "piston20.5.h5", "--engine", "petsc", "--probe", "sine:1"], 2, "--probe"),
+        (["moduli", "piston20.5.h5", "piston30.5.h5", "--engine", "petsc"], 2, "piston30.5.h5"),
+        (["moduli", "piston20.5.h5", "--engine", "petsc", "--threshold", "1"], 1, "is floppy"),
         (["signal", "piston20.5.h5", "--engine", "petsc", "--damping", "0.1"], 2, "--damping"),
         (["signal", "piston20.5.h5", "--engine", "petsc", "--set", "signal.method=verlet"], 2, "chebyshev"),
         (["signal", "box20.5.h5", "--engine", "petsc", "--from", "plane:1", "--from", "plane:2"], 2, "and one"),

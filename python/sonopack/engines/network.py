@@ -118,7 +118,7 @@ class Network:
     """The scaled stretches S = k^1/2 B M^-1/2 of the springs: a matrix with a row for each direction of a contact, on
     the rank that has read the contact, and A = M^-1/2 K M^-1/2 = S^T S. A frequency squared is |S e|^2.
 
-    x, mass: of the grains that carry, on all ranks; ends: their numbers of contacts
+    x, radius, mass: of the grains that carry, on all ranks; ends: their numbers of contacts
     n, axis, length, i, j, root: of the rows of S on this rank: unit normal, direction of the stretch, distance of the
     centres, first grain, second one or a wall (< 0), k^1/2
     """
@@ -161,6 +161,7 @@ class Network:
         mass = np.array(grains["mass"]) if "inertia" in grains else np.pi * (4 / 3) * radius ** 3
         inertia = np.array(grains["inertia"]) if "inertia" in grains else 0.4 * mass * radius ** 2
         self.x: Floats = np.array(grains["position/value"][0])[there]
+        self.radius: Floats = radius[there]
         self.mass: Floats = np.column_stack([mass] * self.dim + [inertia] * self.turns)[there]
         i, j, parts = i[keep], j[keep], {name: values[keep] for name, values in parts.items()}
         arms = radius[i], np.where(j < 0, 0.0, radius[j])
@@ -213,8 +214,7 @@ class Network:
 
     def _bound(self) -> float:
         """A bound of all frequencies by the absolute values of A (Collatz, Wielandt), as `sonopack' has it."""
-        starts, columns, values = self.A.getValuesCSR()
-        sizes = self.petsc.Mat().createAIJ(self.A.getSizes(), csr=(starts, columns, np.abs(values)), comm=self.comm)
+        sizes = self.sizes(self.A)
         v, w = sizes.createVecs()
         v.set(1)
         for _ in range(_TURNS):
@@ -226,6 +226,11 @@ class Network:
         w.pointwiseDivide(w, v)
         sizes.destroy()
         return float(np.sqrt(w.max()[1]) * (1 + 1e-12))
+
+    def sizes(self, matrix: Any) -> Any:
+        """The absolute values of a matrix."""
+        starts, columns, values = matrix.getValuesCSR()
+        return self.petsc.Mat().createAIJ(matrix.getSizes(), csr=(starts, columns, np.abs(values)), comm=self.comm)
 
     # ---- vectors over the ranks -------------------------------------------------------------------------------------
 

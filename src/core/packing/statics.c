@@ -148,18 +148,22 @@ static void sum_fractions(const sp_packing *p, const bulk *b, const uint8_t *rat
     s->phi3s = carrying / b->volume;
 }
 
-sp_status sp_packing_density(const sp_packing *p, double threshold, double margin, double *out, sp_error *err) {
+double sp_packing_density_of(const sp_packing *p, const uint8_t *rattler, double margin) {
     const bulk b = sp_bulk_of(p, margin);
+    double mass = 0;
+    for (int32_t i = 0; i < p->n; i++) {
+        const double r = p->r[i], all = p->mass ? p->mass[i] : grain_mass(r);
+        mass += rattler && rattler[i] ? 0 : all * sp_bulk_ball(&b, p->x + 3 * (size_t)i, r);
+    }
+    return b.volume > 0 ? mass / b.volume : NAN;
+}
+
+sp_status sp_packing_density(const sp_packing *p, double threshold, double margin, double *out, sp_error *err) {
     uint8_t *rattler = sp_alloc((size_t)p->n, 1);
     sp_status status =
         rattler ? sp_packing_rattlers(p, threshold, rattler, NULL, NULL, err) : sp_fail_memory(err, (size_t)p->n);
-    double mass = 0;
-    for (int32_t i = 0; status == SP_OK && i < p->n; i++) {
-        const double r = p->r[i], all = p->mass ? p->mass[i] : grain_mass(r);
-        mass += rattler[i] ? 0 : all * sp_bulk_ball(&b, p->x + 3 * (size_t)i, r);
-    }
     if (status == SP_OK)
-        *out = b.volume > 0 ? mass / b.volume : NAN;
+        *out = sp_packing_density_of(p, rattler, margin);
     sp_free(rattler);
     return status;
 }
