@@ -256,16 +256,17 @@ TEST(test_no_memory) {
     sp_network_free(&net);
 }
 
-/* All frequencies of a chain, in pieces: omega_n = omega_max sin(n pi/(2(N+1))), bit for bit the same with any
- * number of threads. */
-TEST(test_pieces) {
+/* All modes of a chain, in pieces: omega_n = omega_max sin(n pi/(2(N+1))), bit for bit the same with any
+ * number of threads, and vectors of two pieces as orthogonal as those of one. */
+static void check_pieces(bool vectors) {
     enum { N = 1300 };
     const double pi = 3.14159265358979323846;
     sp_network net = network_of(chain_packing(N, 1e-4), false);
     sp_modes m[2] = {sp_modes_none(), sp_modes_none()};
     for (int q = 0; q < 2; q++) {
-        const sp_modes_options how = {.vectors = false, .threads = q == 0 ? 1 : 3};
-        assert_ok(sp_modes_in_pieces(&net, &how, &m[q], &err));
+        const sp_modes_options how = {.vectors = vectors, .threads = q == 0 ? 1 : 3};
+        const sp_modes_range all = sp_modes_range_all();
+        assert_ok(sp_modes_sparse(&net, &how, &all, &m[q], &err));
         assert_int_equal(m[q].n, N);
         assert_int_equal(m[q].solver, SP_SOLVER_LANCZOS);
         assert_true(m[q].certified_from == 0 && isinf(m[q].certified_to));
@@ -280,9 +281,18 @@ TEST(test_pieces) {
         assert_close(m[0].omega[n - 1], exact, m[0].error[n - 1] + 1e-14 * exact);
         assert_true(m[0].error[n - 1] < 1e-9 * exact);
     }
+    if (vectors) {
+        assert_memory_equal(m[0].vectors, m[1].vectors, (size_t)m[0].dofs * N * sizeof(double));
+        assert_true(m[0].orthogonality < 1e-9);
+    }
     for (int q = 0; q < 2; q++)
         sp_modes_free(&m[q]);
     sp_network_free(&net);
+}
+
+TEST(test_pieces) {
+    check_pieces(false);
+    check_pieces(true);
 }
 
 RUN_TESTS(NULL, NULL)

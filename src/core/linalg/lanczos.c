@@ -5,6 +5,7 @@
 #include "linalg/lanczos.h"
 #include "base/base.h"
 #include "linalg/arrays.h"
+#include "linalg/block.h"
 #include "linalg/eigen.h"
 
 #include <cblas.h>
@@ -13,7 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BLOCK = SP_LDL_LANES, PASSES_MAX = 4, RESTARTS_MAX = 15 };
+enum { BLOCK = SP_BLOCK, PASSES_MAX = 4, RESTARTS_MAX = 15 };
 
 typedef struct lanczos {
     sp_ldl *factor;
@@ -24,7 +25,7 @@ typedef struct lanczos {
     double *h;               /* basis^T (A - sigma)^-1 basis by columns: upper triangle, leading dimension capacity */
     double *next;            /* [BLOCK][n] products that become the next block */
     double *copy;            /* [BLOCK][n] */
-    double *overlap;         /* [BLOCK][capacity + locked] */
+    double *overlap, *sums;  /* [BLOCK][capacity], or of the locked vectors if they are more; of its parts */
     double b[BLOCK * BLOCK]; /* (A - sigma)^-1 last = basis h + next b, by columns */
     double *small, *theta,
         *residual;  /* eigenvectors [m][m] of h by columns, its eigenvalues, |b s| of each eigenvector s */
@@ -43,23 +44,24 @@ static double random_number(uint64_t *state) {
     return (double)(z >> 11) * 0x1p-53 - 0.5;
 }
 
-/* w -= q (q^T w) for `count` columns of q. Adds the coefficients to h (leading dimension ld), unless h is NULL. */
-static void project(int64_t n, const double *q, int64_t count, double *w, int columns, double *overlap, double *h,
-                    int64_t ld) {
+/* w -= q (q^T w) for `count` columns of q. Adds the coefficients to h, unless h is NULL. */
+static void project(lanczos *z, const double *q, int64_t count, double *w, double *h) {
     if (count == 0)
         return;
-    cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, (int)count, columns, (int)n, 1, q, (int)n, w, (int)n, 0,
-                overlap, (int)count);
-    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)n, columns, (int)count, -1, q, (int)n, overlap,
-                (int)count, 1, w, (int)n);
-    for (int c = 0; h && c < columns; c++)
+    sp_pool *pool = sp_ldl_pool(z->factor);
+    sp_block_dots(pool, z->n, q, count, w, z->sums, z->overlap);
+    sp_block_subtract(pool, z->n, q, count, z->sums, w);
+    for (int c = 0; h && c < BLOCK; c++)
         for (int64_t r = 0; r < count; r++)
-            h[c * ld + r] += overlap[c * count + r];
+            h[c * z->capacity + r] += z->overlap[c * count + r];
 }
 
-static void project_all(lanczos *z, double *w, int columns, int64_t known, double *h) {
-    project(z->n, z->spec->locked, z->spec->locked_count, w, columns, z->overlap, NULL, 0);
-    project(z->n, z->basis, known, w, columns, z->overlap, h, z->capacity);
+/* The same for one column, x. */
+static void project_one(lanczos *z, const double *q, int64_t count, double *x) {
+    if (count == 0)
+        return;
+    cblas_dgemv(CblasColMajor, CblasTrans, (int)z->n, (int)count, 1, q, (int)z->n, x, 1, 0, z->overlap, 1);
+    cblas_dgemv(CblasColMajor, CblasNoTrans, (int)z->n, (int)count, -1, q, (int)z->n, z->overlap, 1, 1, x, 1);
 }
 
 /* Faster than dnrm2, which guards against overflow; that cannot happen here. */
@@ -86,11 +88,11 @@ static bool cholesky(double g[BLOCK * BLOCK]) {
 
 /* w = q r with orthonormal q; false if the columns are dependent. Done twice, because the error of a single pass grows
  * with the square of the condition number. */
-static bool orthonormalize(int64_t n, double *w, double r[BLOCK * BLOCK]) {
+static bool orthonormalize(const lanczos *z, double *w, double r[BLOCK * BLOCK]) {
+    const int64_t n = z->n;
     double g[2][BLOCK * BLOCK] = {{0}};
     for (int pass = 0; pass < 2; pass++) {
-        cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, BLOCK, BLOCK, (int)n, 1, w, (int)n, w, (int)n, 0, g[pass],
-                    BLOCK);
+        sp_block_dots(NULL, n, w, BLOCK, w, z->sums, g[pass]);
         if (!cholesky(g[pass]))
             return false;
         cblas_dtrsm(CblasColMajor, CblasRight, CblasUpper, CblasNoTrans, CblasNonUnit, (int)n, BLOCK, 1, g[pass], BLOCK,
@@ -121,8 +123,9 @@ static void orthonormalize_columns(lanczos *z, double *w, int64_t known, const d
             cblas_dscal((int)n, 1 / before, x, 1);
             double left = 0;
             for (int pass = 0; pass < PASSES_MAX; pass++) {
-                project_all(z, x, 1, known, NULL);
-                project(n, w, c, x, 1, z->overlap, NULL, 0);
+                project_one(z, z->spec->locked, z->spec->locked_count, x);
+                project_one(z, z->basis, known, x);
+                project_one(z, w, c, x);
                 left = norm(n, x);
                 if (!(left > 1e-10))
                     break;
@@ -146,13 +149,14 @@ static void next_block(lanczos *z, double *w, double *h) {
         scale[c] = norm(n, w + c * n);
     if (h && z->first > 0) { /* overlaps that exist in exact arithmetic */
         const int64_t first = z->first;
-        project(n, z->basis + first * n, known - first, w, BLOCK, z->overlap, h + first, z->capacity);
+        project(z, z->basis + first * n, known - first, w, h + first);
     }
     for (int pass = 0; pass < PASSES_MAX; pass++) {
         double kept = 1;
         for (int c = 0; c < BLOCK; c++)
             before[c] = norm(n, w + c * n);
-        project_all(z, w, BLOCK, known, h);
+        project(z, z->spec->locked, z->spec->locked_count, w, NULL);
+        project(z, z->basis, known, w, h);
         for (int c = 0; c < BLOCK; c++) {
             const double after = norm(n, w + c * n);
             if (after > 1e-12 * scale[c])
@@ -165,11 +169,10 @@ static void next_block(lanczos *z, double *w, double *h) {
     bool weak = false;
     for (int c = 0; c < BLOCK; c++)
         weak = weak || !(norm(n, w + c * n) > 1e-12 * scale[c]);
-    if (weak || !orthonormalize(n, w, z->b)) {
+    if (weak || !orthonormalize(z, w, z->b)) {
         memcpy(w, z->copy, (size_t)(BLOCK * n) * sizeof *w);
         orthonormalize_columns(z, w, known, scale);
-        cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, BLOCK, BLOCK, (int)n, 1, w, (int)n, z->copy, (int)n, 0,
-                    z->b, BLOCK);
+        sp_block_dots(NULL, n, w, BLOCK, z->copy, z->sums, z->b);
     }
 }
 
@@ -319,10 +322,16 @@ out:
 static sp_status allocate(lanczos *z, sp_error *err) {
     const size_t n = (size_t)z->n, capacity = (size_t)z->capacity;
     const size_t overlap = capacity > (size_t)z->spec->locked_count ? capacity : (size_t)z->spec->locked_count;
-    const sp_array arrays[] = {{&z->next, BLOCK * n},          {&z->copy, BLOCK * n},
-                               {&z->h, capacity * capacity},   {&z->small, capacity * capacity},
-                               {&z->overlap, overlap * BLOCK}, {&z->theta, capacity},
-                               {&z->residual, capacity},       {0}};
+    const size_t parts = (size_t)sp_block_parts(z->n);
+    const sp_array arrays[] = {{&z->next, BLOCK * n},
+                               {&z->copy, BLOCK * n},
+                               {&z->h, capacity * capacity},
+                               {&z->small, capacity * capacity},
+                               {&z->overlap, overlap * BLOCK},
+                               {&z->sums, overlap * BLOCK * parts},
+                               {&z->theta, capacity},
+                               {&z->residual, capacity},
+                               {0}};
     z->rank = sp_alloc(capacity, sizeof *z->rank);
     z->basis = sp_alloc_bare(capacity, n * sizeof *z->basis); /* most searches need a part of it */
     if (!z->rank || !z->basis)

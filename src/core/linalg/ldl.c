@@ -196,6 +196,7 @@ double sp_ldl_least_ratio(const sp_ldl *f, const sp_sparse *a) {
     return least;
 }
 
+sp_pool *sp_ldl_pool(const sp_ldl *f) { return f->pool; }
 double sp_ldl_sigma(const sp_ldl *f) { return f->sigma; }
 int64_t sp_ldl_negative(const sp_ldl *f) { return f->negative; }
 double sp_ldl_error(const sp_ldl *f) { return f->ready ? f->error : HUGE_VAL; }

@@ -3,9 +3,11 @@
 /* LDL' factorization of A - sigma with any sigma, also inside the spectrum. It gives the number of eigenvalues below
  * sigma (Sylvester's law of inertia) and solves eight right-hand sides at once. */
 
+#include "linalg/block.h"
+
 #include <sonopack/network.h>
 
-enum { SP_LDL_LANES = 8 }; /* right-hand sides per solve */
+enum { SP_LDL_LANES = SP_BLOCK }; /* right-hand sides per solve */
 
 typedef struct sp_ldl sp_ldl;
 
@@ -14,6 +16,7 @@ typedef struct sp_ldl sp_ldl;
 sp_status sp_ldl_make(const sp_sparse *a, const sp_network *net, sp_ldl **out, sp_error *err);
 /* Lets `threads` threads factor, if the factor is large; its bits stay the same. SP_ENOMEM. */
 sp_status sp_ldl_share(sp_ldl *f, int threads, sp_error *err);
+sp_pool *sp_ldl_pool(const sp_ldl *f); /* of those threads; NULL: one */
 /* Replaces A by another matrix with the same pattern. SP_EINVAL for entries that are not finite. */
 sp_status sp_ldl_set(sp_ldl *f, const sp_sparse *a, sp_error *err);
 /* Factors A - sigma; replaces the last factor. SP_EREFUSED if a pivot is zero (rows are not exchanged); try a sigma

@@ -206,7 +206,7 @@ sp_status sp_modes_dense(const sp_network *net, const sp_modes_options *opt, sp_
     if (status == SP_OK) {
         sp_mode_pairs set = {.count = n,
                              .ritz = ritz,
-                             .vectors = opt->vectors ? a : NULL,
+                             .vectors = opt->vectors ? &a : NULL,
                              .rattlers = (int64_t)net->rattlers * net->dof};
         status = count_zeros(net, ritz, &set, err);
         if (status == SP_OK)

@@ -9,6 +9,7 @@
 #include <math.h>
 #include <sonopack/modes.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A mode before sorting. */
 typedef struct candidate {
@@ -55,14 +56,36 @@ static sp_status set_frequencies(const candidate *list, const sp_mode_pairs *set
     return SP_OK;
 }
 
-/* Copies a vector with the sign that makes its largest component positive. */
-static void copy_vector(int64_t n, const double *from, double *to) {
+/* The sign that makes its largest component positive. */
+static void set_sign(int64_t n, double *x) {
     int64_t largest = 0;
     for (int64_t k = 1; k < n; k++)
-        if (fabs(from[k]) > fabs(from[largest]))
+        if (fabs(x[k]) > fabs(x[largest]))
             largest = k;
+    const double sign = x[largest] < 0 ? -1 : 1;
     for (int64_t k = 0; k < n; k++)
-        to[k] = from[largest] < 0 ? -from[k] : from[k];
+        x[k] *= sign;
+}
+
+/* Moves row list[k].vector to row k for all k, along the cycles of the permutation. place: scratch [count]; row: [n].
+ */
+static void permute(int64_t n, int64_t count, double *x, const candidate *list, int64_t *place, double *row) {
+    for (int64_t k = 0; k < count; k++)
+        place[k] = list[k].vector;
+    for (int64_t start = 0; start < count; start++) {
+        if (place[start] == start)
+            continue;
+        memcpy(row, x + start * n, (size_t)n * sizeof *x);
+        int64_t k = start;
+        while (place[k] != start) {
+            const int64_t from = place[k];
+            memcpy(x + k * n, x + from * n, (size_t)n * sizeof *x);
+            place[k] = k;
+            k = from;
+        }
+        memcpy(x + k * n, row, (size_t)n * sizeof *x);
+        place[k] = k;
+    }
 }
 
 /* (sum w)^2/(N sum w^2) over grains, w = |e|^2 of a grain. */
@@ -123,16 +146,29 @@ static sp_status set_amplitudes(const sp_network *net, sp_source source, sp_mode
     return status;
 }
 
-static sp_status set_vectors(const sp_network *net, const double *vectors, const candidate *list, sp_modes *m,
+/* Sorts the vectors where they are: they may take most of the memory. */
+static sp_status set_vectors(const sp_network *net, const sp_mode_pairs *set, const candidate *list, sp_modes *m,
                              sp_error *err) {
-    const int64_t n = sp_network_dofs(net), count = m->n - m->n_rattler;
+    const int64_t n = m->dofs, count = set->count;
     const double omega = sp_network_omega_bound(net);
+    int64_t *place = sp_alloc((size_t)count, sizeof *place);
+    double *row = sp_alloc((size_t)n, sizeof *row);
+    sp_status status = place && row ? SP_OK : sp_fail_memory(err, (size_t)(count + n) * sizeof *row);
+    if (status == SP_OK) {
+        m->vectors = *set->vectors;
+        *set->vectors = NULL;
+        if (set->row > 0)
+            memmove(m->vectors, m->vectors + set->row * n, (size_t)(count * n) * sizeof *m->vectors);
+        permute(n, count, m->vectors, list, place, row);
+    }
+    sp_free(row);
+    sp_free(place);
     m->residual = 0;
-    for (int64_t k = 0; k < count; k++) {
-        copy_vector(n, vectors + list[k].vector * n, m->vectors + k * n);
+    for (int64_t k = 0; k < count && status == SP_OK; k++) {
+        set_sign(n, m->vectors + k * n);
         m->residual = fmax(m->residual, list[k].ritz.residual / (omega * omega));
     }
-    return sp_orthogonality(n, count, m->vectors, &m->orthogonality, err);
+    return status == SP_OK ? sp_orthogonality(n, count, m->vectors, &m->orthogonality, err) : status;
 }
 
 static sp_status allocate(const sp_network *net, const sp_mode_pairs *set, sp_modes *m, sp_error *err) {
@@ -142,15 +178,10 @@ static sp_status allocate(const sp_network *net, const sp_mode_pairs *set, sp_mo
     m->n = m->n_rattler + set->count;
     m->first = set->first;
     m->zero = set->zero;
-    const size_t n = (size_t)m->n, count = (size_t)set->count;
+    const size_t n = (size_t)m->n;
     /* without vectors the list ends after the errors */
-    const sp_array arrays[] = {{&m->omega, n},
-                               {&m->error, n},
-                               {set->vectors ? &m->a : NULL, n},
-                               {&m->b, n},
-                               {&m->participation, n},
-                               {&m->vectors, count * (size_t)m->dofs},
-                               {0}};
+    const sp_array arrays[] = {{&m->omega, n}, {&m->error, n},         {set->vectors ? &m->a : NULL, n},
+                               {&m->b, n},     {&m->participation, n}, {0}};
     double *block;
     return sp_arrays_make(arrays, &block, err);
 }
@@ -165,7 +196,7 @@ sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mo
     if (status == SP_OK)
         status = set_frequencies(list, set, &m, err);
     if (status == SP_OK && set->vectors) {
-        status = set_vectors(net, set->vectors, list, &m, err);
+        status = set_vectors(net, set, list, &m, err);
         if (status == SP_OK)
             status = set_amplitudes(net, source, &m, err);
     }
@@ -186,7 +217,8 @@ sp_modes_options sp_modes_options_default(void) {
 sp_modes sp_modes_none(void) { return (sp_modes){.residual = NAN, .orthogonality = NAN}; }
 
 void sp_modes_free(sp_modes *m) {
-    sp_free(m->omega); /* all arrays are one block */
+    sp_free(m->omega); /* all other arrays are one block */
+    sp_free(m->vectors);
     *m = sp_modes_none();
 }
 

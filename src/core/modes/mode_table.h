@@ -8,12 +8,14 @@
 
 typedef struct sp_mode_pairs {
     int64_t count;
-    const sp_ritz *ritz;   /* [count], in any order */
-    int64_t zeros;         /* number of the lowest of them that are zero modes */
-    sp_zero_modes zero;    /* of the whole spectrum */
-    const double *vectors; /* [count][dofs] in the same order; NULL: frequencies only */
-    int64_t rattlers;      /* number of rattlers' rows in front: all, or 0 if the set begins above omega = 0 */
-    int64_t first;         /* number of modes of the whole spectrum below the first row */
+    const sp_ritz *ritz; /* [count], in any order */
+    int64_t zeros;       /* number of the lowest of them that are zero modes */
+    sp_zero_modes zero;  /* of the whole spectrum */
+    double **vectors;    /* a block with the [count][dofs] vectors in the same order, which the table takes; NULL:
+                            frequencies only */
+    int64_t row;         /* the first of them in the block */
+    int64_t rattlers;    /* number of rattlers' rows in front: all, or 0 if the set begins above omega = 0 */
+    int64_t first;       /* number of modes of the whole spectrum below the first row */
 } sp_mode_pairs;
 
 /* SP_EREFUSED for an eigenvalue that is negative beyond its error. */

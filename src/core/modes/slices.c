@@ -77,8 +77,7 @@ sp_ritz sp_slicer_null(const slicer *z) {
 static sp_status reserve(slicer *z, int64_t count, sp_error *err) {
     z->front = z->null_rows ? z->null.spins + z->null.rigid : 0;
     const size_t rows = (size_t)(z->front + count);
-    /* vectors exist twice at the end: here and in the table of modes */
-    const double bytes = (double)rows * ((double)z->n * (z->vectors ? 2 * sizeof(double) : 0) + sizeof(sp_ritz));
+    const double bytes = (double)rows * ((double)z->n * (z->vectors ? sizeof(double) : 0) + sizeof(sp_ritz));
     if (bytes > 0.8 * sp_memory_limit())
         return sp_fail(err, SP_EREFUSED, "%lld modes of %lld degrees of freedom take %.3g GB, must be below %.3g",
                        (long long)rows, (long long)z->n, bytes * 1e-9, 0.8e-9 * sp_memory_limit());
@@ -291,6 +290,15 @@ static sp_status solve_between(slicer *z, slice_edge a, slice_edge b, int64_t st
     return status == SP_OK ? solve_between(z, middle, b, start, depth + 1, err) : status;
 }
 
+/* Many modes in pieces, if each piece can be counted. If not, z->found remains 0. */
+static sp_status solve_in_pieces(slicer *z, slice_edge a, slice_edge b, sp_error *err) {
+    sp_error reason = {0};
+    if (z->threads == 0 || z->solver == SP_SOLVER_ARPACK || b.below - a.below <= SP_SLICER_PIECE)
+        return SP_OK;
+    const sp_status status = sp_slicer_pieces(z, a, b, &reason);
+    return status == SP_OK || status == SP_EREFUSED ? SP_OK : sp_fail(err, status, "%s", reason.text);
+}
+
 sp_status sp_slicer_between(slicer *z, slice_edge a, slice_edge b, bool *certain, sp_error *err) {
     const int64_t wanted = b.below - a.below;
     if (wanted < 0 || !(a.sigma < b.sigma))
@@ -299,6 +307,8 @@ sp_status sp_slicer_between(slicer *z, slice_edge a, slice_edge b, bool *certain
     sp_status status = reserve(z, wanted > 0 ? wanted : 1, err);
     sp_lanczos_free(&z->last);
     if (status == SP_OK)
+        status = solve_in_pieces(z, a, b, err);
+    if (status == SP_OK && z->found == 0)
         status = solve_between(z, a, b, a.below, 0, err);
     if (status == SP_OK && z->found != wanted)
         status = sp_fail(err, SP_EREFUSED, "%lld modes found between omega^2 = %.6g and %.6g, must be %lld",

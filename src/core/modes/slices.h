@@ -22,6 +22,7 @@ typedef struct slicer {
     const sp_network *net;
     bool vectors;           /* keep the eigenvectors */
     sp_modes_solver solver; /* ARPACK, or block Lanczos */
+    int threads;            /* that share pieces of the spectrum; 0: there are no pieces */
     double tolerance;       /* of the Lanczos residuals */
     int64_t n;              /* length of a vector */
     int64_t modes;          /* eigenvalues that are not those of null motions */
@@ -66,9 +67,10 @@ sp_status sp_slicer_zeros(const slicer *z, int64_t *zeros, sp_error *err);
  * an edge above the last one, which proves that none is missing. */
 sp_status sp_slicer_lowest(slicer *z, int64_t count, slice_edge *end, sp_error *err);
 
-/* All frequencies of a large network, without vectors, in pieces of the spectrum, which threads share. The pieces do
- * not depend on the number of threads, and neither does the result. SP_EREFUSED if the modes of a piece cannot be
- * counted. */
-sp_status sp_modes_in_pieces(const sp_network *net, const sp_modes_options *opt, sp_modes *out, sp_error *err);
+/* The modes between two edges in pieces of the spectrum, each with a slicer of its own, which z->threads threads share.
+ * The pieces do not depend on the number of threads, and neither does the result. There is room for all of them.
+ * SP_EREFUSED if the modes of a piece cannot be counted. */
+sp_status sp_slicer_pieces(slicer *z, slice_edge a, slice_edge b, sp_error *err);
+enum { SP_SLICER_PIECE = 512 }; /* modes at most: some slices, which cost more than the edges and the analysis */
 
 #endif
