@@ -145,6 +145,23 @@ SP_API void sp_damped_modes_free(sp_damped_modes *m);
 
 enum { SP_STABILITY_MAX = 6000 }; /* largest nonsymmetric problem, in degrees of freedom */
 
+/* Modes of a network with prestress and friction, M u'' + J u = 0 with a J that is not symmetric. An eigenvalue omega^2
+ * > 0 has one row. A complex pair has two, of motions that grow and decay as exp(growth t) while they oscillate; an
+ * eigenvalue below 0 has two without oscillation. Rows of rattlers come first; all others are in ascending order of
+ * omega, then growth. The signal is F(t) = sum exp(growth t) (cosine cos(omega t) + sine sin(omega t)). */
+typedef struct sp_complex_modes {
+    int64_t n, rattlers, pairs; /* rows; those of rattlers; complex pairs of eigenvalues */
+    double *omega, *growth;     /* [n] [sqrt(E* / rho)/d] */
+    double *error;              /* [n] bound of |growth + i omega - exact| [sqrt(E* / rho)/d] */
+    double *cosine, *sine;      /* [n] amplitudes, without a bound; NAN without contacts at a wall [E* d^2] */
+} sp_complex_modes;
+SP_API sp_complex_modes sp_complex_modes_none(void);
+/* All of them, with LAPACK: minutes and 32 n^2 bytes at SP_STABILITY_MAX degrees of freedom. The errors are those of
+ * discs that contain the eigenvalues (Gershgorin). Serves a symmetric J, too. SP_EREFUSED above that size, and if the
+ * vectors are nearly dependent. */
+SP_API sp_status sp_complex_modes_make(const sp_network *net, sp_source source, sp_complex_modes *out, sp_error *err);
+SP_API void sp_complex_modes_free(sp_complex_modes *m);
+
 typedef enum sp_modes_verdict {
     SP_MODES_STABLE = 0, /* no eigenvalue is negative or complex, apart from those that count as zero */
     SP_MODES_UNSTABLE,   /* some eigenvalues are, and imbalance of the forces at rest does not explain them */

@@ -18,7 +18,7 @@ from ._chain import solitary
 from ._column import Column, ColumnRun
 from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, text_of as _text_of
 from ._inference import CODA_CANDIDATE, DESIGN_STEP, Coda, Design, Uncertain, Uncertainty, design, uncertainty
-from ._modes import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, Continuum, DampedModes, DensityOfStates, Dispersion,
+from ._modes import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, ComplexModes, Continuum, DampedModes, DensityOfStates, Dispersion,
                      Harmonic, Modes, Transmission, WaveSection, free_path, ioffe_regel)
 from ._native import lib as _lib
 from ._network import ENERGY, FLUX, SPRING, Network
@@ -40,7 +40,7 @@ __version__ = _text_of(_lib.sp_version())
 __all__ = [
     "AmplitudeEnergy", "AmplitudeFront", "AmplitudeHarmonics", "AmplitudeNumber", "AmplitudePlane",
     "AmplitudeSecond", "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda",
-    "CoherentWave", "Column", "ColumnRun", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes",
+    "CoherentWave", "Column", "ColumnRun", "ComplexModes", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes",
     "DensityOfStates", "Design", "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain",
     "FreePath", "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "Material", "Modes",
     "Moduli", "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse",

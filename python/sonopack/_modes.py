@@ -109,6 +109,15 @@ class DampedModes(_fields.DampedModes):
         return q, error
 
 
+class ComplexModes(_fields.ComplexModes):
+    """Motions of a network with prestress and friction, which may grow. Made by network.complex_modes()."""
+
+    def __init__(self, network: Network, source: str) -> None:
+        self.network = network
+        self._c = _core.new("sp_complex_modes", lib.sp_complex_modes_free, lib.sp_complex_modes_none)
+        call(lib.sp_complex_modes_make, network._c, _core.number_of("sp_source", source, "source"), self._c)
+
+
 # ---- spectra ----------------------------------------------------------------------------------------------------------
 
 class DensityOfStates(_core.NetworkResult, _fields.Dos):

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from . import _core, _fields, _place, _records, _sensitivity
 from ._core import Floats, Integers, call, documented
 from ._native import ffi, lib
-from ._modes import (Continuum, DampedModes, DensityOfStates, Dispersion, Harmonic, Modes, Transmission,
+from ._modes import (ComplexModes, Continuum, DampedModes, DensityOfStates, Dispersion, Harmonic, Modes, Transmission,
                      WaveSection)
 from ._place import Where
 from ._sensitivity import Gradient
@@ -185,6 +185,11 @@ class Network(_fields.Network):
     def damped_modes(self, damping: float | str, source: str = "impulse") -> DampedModes:
         """Modes with dashpots at all contacts: a fraction of critical damping, or words such as "gamma:0.01"."""
         return DampedModes(self, damping, source)
+
+    @documented("sp_complex_modes_make")
+    def complex_modes(self, source: str = "impulse") -> ComplexModes:
+        """Modes with prestress and friction, of which some may grow."""
+        return ComplexModes(self, source)
 
     @documented("sp_stability_make")
     def stability(self) -> _records.Stability:

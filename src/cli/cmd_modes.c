@@ -62,6 +62,41 @@ static sp_status damped(const arguments *a, const cli_file *file, cli_writer *w)
     return w->status;
 }
 
+/* ---- prestress with friction: modes that may grow ------------------------------------------------------------------
+ */
+
+static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w) {
+    const bool signals = !a->frequencies_only;
+    sp_complex_modes m = sp_complex_modes_none();
+    cli_comment(w, "file = %s", file->path);
+    if (a->part || a->vectors || a->zero || a->solver == SP_SOLVER_LANCZOS || a->solver == SP_SOLVER_ARPACK)
+        w->status =
+            sp_fail(w->err, SP_EREFUSED,
+                    "modes of prestress with friction come all at once, from the solver dense, and without --vectors");
+    CLI_THEN(w->status, sp_complex_modes_make(&file->network, (sp_source)a->source, &m, w->err));
+    cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", FREQUENCY, "growth", FREQUENCY, NULL);
+    if (signals)
+        cli_columns(w, SP_COLUMN_NUMBER, "cosine", "E* d^2", "sine", "E* d^2", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "error", FREQUENCY, NULL);
+    cli_value(w, "pressure", file->packing.pressure);
+    cli_comment(w, "dimension = %d", file->network.dim);
+    cli_comment(w, "carrying = %d", file->network.n);
+    cli_comment(w, "rattler_modes = %lld", (long long)m.rattlers);
+    cli_comment(w, "pairs = %lld", (long long)m.pairs);
+    if (signals)
+        cli_comment(w, "source = %s", cli_source_names[a->source]);
+    cli_comment(w, "skew = %.3g", sp_network_skew(&file->network));
+    cli_comment(w, "method = dense");
+    for (int64_t k = 0; k < m.n && w->status == SP_OK; k++)
+        if (signals)
+            cli_row(w, k, m.omega[k], m.growth[k], m.cosine[k], m.sine[k], m.error[k]);
+        else
+            cli_row(w, k, m.omega[k], m.growth[k], m.error[k]);
+    sp_complex_modes_free(&m);
+    return w->status;
+}
+
 /* ---- --stability: whether any motion grows ----------------------------------------------------------------------- */
 
 static const char *const verdicts[] = {
@@ -268,7 +303,10 @@ const cli_syntax cmd_modes_syntax = {
         "Modes are sorted by omega; among the zero modes those of rattlers come first. The signal is F(t) = sum of ab "
         "sin(omega t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain "
         "in the mode and N the number of grains without rattlers. error is a bound for the error of omega. a, b and "
-        "participation of modes of equal frequencies are not definite. A packing that does not touch the bottom (top) "
+        "participation of modes of equal frequencies are not definite. With --prestress and friction the table has all "
+        "motions exp(growth t) (cosine cos(omega t) + sine sin(omega t)), columns n, omega, growth, cosine, sine and "
+        "error, the bound of |growth + i omega - exact|: a complex pair of omega^2 has two rows, which grow and decay "
+        "(at most 6000 degrees of freedom). A packing that does not touch the bottom (top) "
         "wall has no source (detector): a (b) is nan, and a comment says none. --set takes keys of the group network.\n"
         "\n"
         "The comments count the zero modes of the packing, whichever modes are printed: zero_modes = rattler_modes + "
@@ -349,7 +387,7 @@ static sp_status undamped(const arguments *a, const cli_file *file, cli_writer *
 static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     const arguments *a = user;
     if (!a->stability && !(a->damping.value > 0))
-        return undamped(a, file, w);
+        return file->network.carried ? growing(a, file, w) : undamped(a, file, w);
     cli_comment(w, "file = %s", file->path);
     if (w->status == SP_OK && !a->stability)
         w->status = cli_need_walls(&file->packing, "the pulse of damped modes", w->err);

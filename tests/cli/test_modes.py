@@ -61,6 +61,31 @@ def chain():
     assert np.array_equal(band["n"], inside - 1) and np.abs(band["omega"] / exact[inside - 1] - 1).max() < 1e-10
 
 
+def growing():
+    """Prestress and friction: the sum of all motions is the signal of the expansion, also where some grow; without the
+    forces that turn, the same modes as ever."""
+    pairs = 0
+    for dimension, pressure, width in ((2, 1e-2, 10), (3, 1e-2, 5), (2, 1e-4, 10)):
+        path = pack(f"grow{dimension}{pressure}.h5", dimension=dimension, pressure=pressure, grains=150, width=width,
+                    friction=0.8, protocol="quick")
+        for source in ("impulse", "displacement"):
+            modes = table("modes", path, "--prestress", "--source", source)
+            signal = table("signal", path, "--prestress", "--until", 200, "--source", source)
+            t = signal["t"][:, None]
+            force = (np.exp(modes["growth"] * t) * (modes["cosine"] * np.cos(modes["omega"] * t) +
+                                                    modes["sine"] * np.sin(modes["omega"] * t))).sum(axis=1)
+            assert np.abs(force - signal["F"]).max() < 1e-10 * np.abs(signal["F"]).max(), (path, source)
+        grow = np.flatnonzero(modes["growth"] > modes["error"])
+        verdict = table("modes", path, "--prestress", "--stability")
+        assert len(grow) == int(modes.notes["pairs"]) == int(verdict["flutter"][0]), path
+        assert np.all(modes["growth"] <= verdict["growth_bound"][0] + modes["error"])
+        pairs += len(grow)
+        few = table("modes", path, "--prestress", "--frequencies-only")
+        assert np.array_equal(few["growth"], modes["growth"]) and "sine" not in few.names
+    assert pairs >= 2  # there are motions that grow
+    refused(path, "modes", path, "--prestress", "--lowest", 3, status=1)
+
+
 def overwriting():
     """A packing is never replaced by vectors, nor vectors by a packing, and two outputs never share a file."""
     packing, vectors = pathlib.Path("packing.h5"), pathlib.Path("vectors.h5")
@@ -74,4 +99,4 @@ def overwriting():
     assert packing.read_bytes() == before and vectors.read_bytes() == kept and not pathlib.Path("t.tsv").exists()
 
 
-main(parts, chain, overwriting)
+main(parts, chain, growing, overwriting)

@@ -138,16 +138,16 @@ sp_cost sp_cost_modes(const sp_network_size *net, const sp_modes_options *o, con
     const double modes = all ? net->dofs : range->lowest > 0 ? (double)range->lowest : fmin(expected, net->dofs);
     if (is_dense(net, o, all, modes))
         return dense_modes(net, o->vectors, machine);
-    const double vectors = (all && !o->vectors ? 512 : modes) * 34 * net->dofs;
-    const sp_cost cost = {.memory = factor_bytes(net) + vectors + 9e6};
-    sp_cost out = cost;
-    if (all && !o->vectors) { /* threads share the pieces */
-        out.cpu = sp_law_seconds(net->dim < 3 ? SP_WORK_PIECES_DISKS : SP_WORK_PIECES_SPHERES, net->dofs, 1, machine);
-        out.wall = out.cpu / (o->threads > 1 ? o->threads : 1);
-        out.memory = (o->threads > 1 ? o->threads : 1) * cost.memory;
-        return out;
-    }
-    out.cpu = out.wall = seconds_of_slices(net, modes, machine);
+    const bool pieces = modes > 512 && o->solver != SP_SOLVER_ARPACK; /* which threads share */
+    const double threads = pieces && o->threads > 1 ? o->threads : 1;
+    const double search = 34 * fmin(modes, 128) + (pieces && o->vectors ? 8 * 512 : 0);
+    sp_cost out = {.memory = threads * (factor_bytes(net) + search * net->dofs) + 9e6};
+    if (o->vectors)
+        out.memory += 8 * modes * net->dofs;
+    out.cpu = all && !o->vectors
+                  ? sp_law_seconds(net->dim < 3 ? SP_WORK_PIECES_DISKS : SP_WORK_PIECES_SPHERES, net->dofs, 1, machine)
+                  : seconds_of_slices(net, modes, machine);
+    out.wall = out.cpu / threads;
     return out;
 }
 

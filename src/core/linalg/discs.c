@@ -9,6 +9,7 @@
 #include <float.h>
 #include <lapacke.h> /* includes complex.h */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 #undef I
 
@@ -31,7 +32,7 @@ typedef struct diagonalization {
 static sp_status diagonalization_make(const sp_sparse *a, diagonalization *f, sp_error *err) {
     const size_t n = (size_t)a->n;
     *f = (diagonalization){.n = a->n, .a = a, .d = {.n = a->n}};
-    const sp_array discs[] = {{&f->d.re, n}, {&f->d.im, n}, {&f->d.radius, n}, {0}};
+    const sp_array discs[] = {{&f->d.re, n}, {&f->d.im, n}, {&f->d.radius, n}, {&f->d.from, n}, {&f->d.to, n}, {0}};
     const sp_array arrays[] = {{&f->v, n * n}, {&f->y, n * n}, {&f->r, n * n}, {&f->product, n * n},
                                {&f->sum, n},   {&f->size, n},  {&f->noise, n}, {0}};
     double *block;
@@ -153,7 +154,16 @@ static sp_status find_radii(diagonalization *f, sp_error *err) {
     return SP_OK;
 }
 
-sp_status sp_discs_make(const sp_sparse *a, sp_discs *out, sp_error *err) {
+static void project(diagonalization *f, const double *source, const double *detector) {
+    const int n = (int)f->n;
+    if (source)
+        cblas_dgemv(CblasColMajor, CblasNoTrans, n, n, 1, f->y, n, source, 1, 0, f->d.from, 1);
+    if (detector)
+        cblas_dgemv(CblasColMajor, CblasTrans, n, n, 1, f->v, n, detector, 1, 0, f->d.to, 1);
+}
+
+sp_status sp_discs_make(const sp_sparse *a, const double *source, const double *detector, sp_discs *out,
+                        sp_error *err) {
     diagonalization f;
     sp_status status = diagonalization_make(a, &f, err);
     if (status == SP_OK)
@@ -163,6 +173,7 @@ sp_status sp_discs_make(const sp_sparse *a, sp_discs *out, sp_error *err) {
     if (status == SP_OK) {
         find_residuals(&f);
         status = find_radii(&f, err);
+        project(&f, source, detector);
     }
     sp_free(f.memory);
     if (status == SP_OK)
@@ -170,4 +181,43 @@ sp_status sp_discs_make(const sp_sparse *a, sp_discs *out, sp_error *err) {
     else
         sp_discs_free(&f.d);
     return status;
+}
+
+/* ---- components ------------------------------------------------------------------------------------------------- */
+
+static int by_left(const void *a, const void *b, void *context) {
+    const sp_discs *d = context;
+    const int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+    const double p = d->re[x] - d->radius[x], q = d->re[y] - d->radius[y];
+    return (p > q) - (p < q);
+}
+
+static int64_t root_of(int64_t *owner, int64_t k) {
+    while (owner[k] != k)
+        k = owner[k] = owner[owner[k]];
+    return k;
+}
+
+sp_status sp_discs_connect(const sp_discs *d, int64_t *owner, sp_error *err) {
+    const int64_t n = d->n;
+    int64_t *order = sp_alloc((size_t)n, sizeof *order);
+    if (!order)
+        return sp_fail_memory(err, (size_t)n * sizeof *order);
+    for (int64_t k = 0; k < n; k++)
+        owner[k] = order[k] = k;
+    qsort_r(order, (size_t)n, sizeof *order, by_left, (void *)d);
+    for (int64_t p = 0; p < n; p++) {
+        const int64_t k = order[p];
+        for (int64_t q = p + 1; q < n; q++) {
+            const int64_t other = order[q];
+            if (d->re[other] - d->radius[other] > d->re[k] + d->radius[k])
+                break;
+            if (hypot(d->re[k] - d->re[other], d->im[k] - d->im[other]) <= d->radius[k] + d->radius[other])
+                owner[root_of(owner, other)] = root_of(owner, k);
+        }
+    }
+    for (int64_t k = 0; k < n; k++)
+        owner[k] = root_of(owner, k);
+    sp_free(order);
+    return SP_OK;
 }

@@ -106,7 +106,7 @@ static double participation(const sp_network *net, const double *e) {
 /* Amplitudes in u = sum a_n u^(n) sin(omega_n t): a_n = e . M^-1/2 p/omega_n for momenta p, or e . M^1/2 u(0) with cos
  * for displacements; b_n = (detector) M^-1/2 e. a = 0 for zero modes, whose limit sin(omega t)/omega = t does not fit
  * this form. A network that does not touch a wall has modes all the same, but no amplitudes there: NAN. */
-static sp_status wall_vectors(const sp_network *net, sp_source source, double *from, double *to, sp_error *err) {
+sp_status sp_modes_walls(const sp_network *net, sp_source source, double *from, double *to, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
     const bool has_source = sp_network_touches(net, SP_BOTTOM), has_detector = sp_network_touches(net, SP_TOP);
     sp_status status = has_source ? sp_network_source(net, source, from, err) : SP_OK;
@@ -126,7 +126,7 @@ static sp_status set_amplitudes(const sp_network *net, sp_source source, sp_mode
     sp_status status = from && to ? SP_OK : sp_fail_memory(err, 2 * (size_t)n * sizeof *from);
     const bool has_source = sp_network_touches(net, SP_BOTTOM), has_detector = sp_network_touches(net, SP_TOP);
     if (status == SP_OK)
-        status = wall_vectors(net, source, from, to, err);
+        status = sp_modes_walls(net, source, from, to, err);
     for (int64_t row = 0; row < m->n && status == SP_OK; row++) {
         const bool rattler = row < m->n_rattler; /* a single grain moves, away from the walls */
         const double *e = rattler ? NULL : m->vectors + (row - m->n_rattler) * n;

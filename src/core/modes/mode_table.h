@@ -22,6 +22,9 @@ typedef struct sp_mode_pairs {
 sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mode_pairs *set, sp_modes *out,
                             sp_error *err);
 
+/* The mass-weighted source and detector, [dofs] each: NAN where the network does not touch the wall. */
+sp_status sp_modes_walls(const sp_network *net, sp_source source, double *from, double *to, sp_error *err);
+
 /* Distance in omega^2 between the rows first .. last and all other eigenvalues: those listed beside them, and those
  * that may lie beyond the certified ends of the list. Negative or 0 if they may coincide. */
 double sp_modes_gap(const sp_modes *m, int64_t first, int64_t last);

@@ -82,31 +82,6 @@ typedef struct disc {
     double re, im, radius;
 } disc;
 
-static int by_left(const void *a, const void *b) {
-    const disc *x = a, *y = b, *l[2] = {x, y};
-    const double p = l[0]->re - l[0]->radius, q = l[1]->re - l[1]->radius;
-    return (p > q) - (p < q);
-}
-
-static int64_t root_of(int64_t *owner, int64_t k) {
-    while (owner[k] != k)
-        k = owner[k] = owner[owner[k]];
-    return k;
-}
-
-/* Discs in ascending order of their left ends. owner[k]: one disc of the component of disc k. */
-static void connect(int64_t n, const disc *d, int64_t *owner) {
-    double widest = 0;
-    for (int64_t k = 0; k < n; k++) {
-        owner[k] = k;
-        widest = fmax(widest, d[k].radius);
-    }
-    for (int64_t k = 0; k < n; k++)
-        for (int64_t q = k + 1; q < n && d[q].re - d[q].radius <= d[k].re + d[k].radius; q++)
-            if (hypot(d[k].re - d[q].re, d[k].im - d[q].im) <= d[k].radius + d[q].radius)
-                owner[root_of(owner, q)] = root_of(owner, k);
-}
-
 static void add_disc(part *to, const disc *d) {
     const double off = fabs(d->im);
     if (to->discs == 0)
@@ -176,24 +151,18 @@ static void classify_parts(int64_t n, part *parts, const imbalance *r, sp_stabil
 
 static sp_status classify_discs(const sp_discs *all, const imbalance *r, sp_stability *s, sp_error *err) {
     const size_t n = (size_t)all->n;
-    disc *d = sp_alloc(n, sizeof *d);
     int64_t *owner = sp_alloc(n, sizeof *owner);
     part *parts = sp_alloc(n, sizeof *parts);
-    sp_status status = d && owner && parts ? SP_OK : sp_fail_memory(err, n * (sizeof *d + sizeof *parts));
+    sp_status status = owner && parts ? sp_discs_connect(all, owner, err) : sp_fail_memory(err, n * sizeof *parts);
     s->error = 0;
     for (size_t k = 0; k < n && status == SP_OK; k++) {
-        d[k] = (disc){all->re[k], all->im[k], all->radius[k]};
+        add_disc(&parts[owner[k]], &(disc){all->re[k], all->im[k], all->radius[k]});
         s->error = fmax(s->error, all->radius[k]);
     }
     if (status == SP_OK) {
-        qsort(d, n, sizeof *d, by_left);
-        connect((int64_t)n, d, owner);
-        for (size_t k = 0; k < n; k++)
-            add_disc(&parts[root_of(owner, (int64_t)k)], &d[k]);
         s->softest = INFINITY;
         classify_parts((int64_t)n, parts, r, s);
     }
-    sp_free(d);
     sp_free(owner);
     sp_free(parts);
     return status;
@@ -205,7 +174,7 @@ static sp_status by_discs(const sp_network *net, const imbalance *r, sp_stabilit
     sp_status status = sp_network_assemble_whole(net, &a, err);
     if (status == SP_OK) {
         sp_scale_by_masses(net, &a);
-        status = sp_discs_make(&a, &d, err);
+        status = sp_discs_make(&a, NULL, NULL, &d, err);
     }
     if (status == SP_OK)
         status = classify_discs(&d, r, s, err);
