@@ -189,8 +189,14 @@ SP_API double sp_packing_density_of(const sp_packing *p, const uint8_t *rattler,
 /* ---- compression -------------------------------------------------------------------------------------------- */
 
 /* PISTON: a gas compressed by a piston. CHAIN, TRIANGULAR: ordered. FILE: compresses or decompresses a given
- * packing. */
-typedef enum sp_pack_kind { SP_PACK_PISTON = 0, SP_PACK_CHAIN, SP_PACK_TRIANGULAR, SP_PACK_FILE } sp_pack_kind;
+ * packing. MINIMUM: smooth grains at random places, at a minimum of their energy. */
+typedef enum sp_pack_kind {
+    SP_PACK_PISTON = 0,
+    SP_PACK_CHAIN,
+    SP_PACK_TRIANGULAR,
+    SP_PACK_FILE,
+    SP_PACK_MINIMUM
+} sp_pack_kind;
 
 /* Distributions of the diameters; see docs/physics.md. */
 typedef enum sp_sizes { SP_SIZES_UNIFORM = 0, SP_SIZES_BIDISPERSE, SP_SIZES_LOGNORMAL, SP_SIZES_LIST } sp_sizes;
@@ -267,7 +273,10 @@ typedef struct sp_pack_spec {
     int32_t stress_count;
     double gravity; /* cell PISTON: acceleration against the up axis [E* / (rho d)] */
     sp_tangential tangential;
-    uint64_t content; /* SP_PACK_FILE: required sp_packing_hash of the initial packing; 0: any */
+    double fraction;     /* SP_PACK_MINIMUM: area or volume fraction of the grains, overlaps counted twice; 0: the
+                            pressure is given */
+    double law_exponent; /* a of F = 4/3 E12 R12^(2 - a) n^a; other than 3/2 for SP_PACK_MINIMUM alone */
+    uint64_t content;    /* SP_PACK_FILE: required sp_packing_hash of the initial packing; 0: any */
 } sp_pack_spec;
 
 SP_API sp_pack_spec sp_pack_spec_default(void);

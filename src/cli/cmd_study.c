@@ -277,7 +277,12 @@ static sp_status check_cell(const sp_scene *scene, sp_error *err) {
                 {SP_WANT_PLANES, "planes"},
                 {SP_WANT_SIGNAL, "signal"},
                 {SP_WANT_PROBES, "probes"}};
-    if (scene->pack.kind != SP_PACK_PISTON || scene->pack.cell == SP_CELL_PISTON)
+    if (scene->pack.fraction > 0)
+        return sp_fail_key(err, SP_EINVAL, "packing.fraction",
+                           " = %g: must be 0 in a study, whose tables are by packing.pressure; `sonopack pack' makes "
+                           "packings of a fraction",
+                           scene->pack.fraction);
+    if (scene->pack.kind == SP_PACK_FILE || scene->pack.cell == SP_CELL_PISTON)
         return SP_OK;
     for (size_t k = 0; k < sizeof wall / sizeof *wall; k++)
         if (scene->want & wall[k].part && (scene->pack.cell == SP_CELL_PERIODIC || wall[k].part == SP_WANT_PROBES))

@@ -99,6 +99,34 @@ def low_cells():
         assert len(run("modes", path, "--lowest", 3).stderr.splitlines()) == lines, path
 
 
+def minima():
+    """Harmonic smooth disks: by pressure in packs and studies, by fraction in packs; near the values of O'Hern et al.
+    (2003): jamming at a fraction of 0.842 with four contacts a grain."""
+    scene = pathlib.Path("minimum.cfg")
+    scene.write_text("""packing = { kind = "minimum"; cell = "periodic"; friction = 0.0; grains = 400; sizes = "bidisperse";
+  diameter_min = 0.83333333; diameter_max = 1.16666667; law = { exponent = 1.0; }; pressure = (1e-4, 1e-3); };
+network = { prestress = true; threshold = 1e-8; };
+study = { want = ["statics", "moduli"]; samples = 3; };
+""")
+    run("pack", scene, "-o", "minimum.h5", *sets("packing.pressure=1e-4"))
+    assert table("check", "minimum.h5").words("ok")[0] == "yes"
+    statics, moduli = (table(name, "minimum.h5") for name in ("statics", "moduli"))
+    assert 0.838 < statics["Phi2"][0] < 0.852 and 4.0 < statics["zs"][0] < 4.3 and 0 < moduli["G"][0] < 0.3 * moduli["K"][0]
+    run("pack", scene, "-o", "dense.h5", *sets("packing.pressure=1e-4", "packing.fraction=0.9"))
+    dense = table("statics", "dense.h5")
+    assert abs(dense["Phi2"][0] - 0.9) < 1e-9 and dense["p"][0] > 2e-3
+    assert table("check", "dense.h5").words("ok")[0] == "yes"
+    refused("packing.fraction", "pack", scene, "-o", "loose.h5", *sets("packing.pressure=1e-4", "packing.fraction=0.5"),
+            status=1)
+    refused("packing.fraction", "study", scene, "--store", "minima", *sets("packing.fraction=0.9"))
+    refused("packing.cell", "pack", scene, "-o", "no.h5", *sets("packing.pressure=1e-4", 'packing.cell="box"'))
+    refused("packing.law.exponent", "pack", "-o", "no.h5", *sets("packing.law.exponent=1"))
+    refused("packing.law.exponant packing.law.exponent", "pack", "-o", "no.h5", *sets("packing.law.exponant=1"))
+    run("study", scene, "--store", "minima")
+    means = table("table", "statics", "--store", "minima")
+    assert list(means["p"]) == [1e-4, 1e-3] and means["zs"][0] < means["zs"][1]
+
+
 def studies():
     """What needs walls is refused before any packing is made."""
     for cell, wants, status in (("periodic", "ctof scaling signal planes probes", 2), ("box", "probes", 2),
@@ -113,4 +141,4 @@ def studies():
             assert not pathlib.Path("store").exists(), (cell, want)
 
 
-main(packings, moduli, statics, modes, waves, signals, low_cells, studies)
+main(packings, moduli, statics, modes, waves, signals, low_cells, minima, studies)

@@ -138,7 +138,8 @@ static void text_reads_back_bit_for_bit(void **state) {
         s.height = 0; /* in place of the grains: test_scene_heights */
         s.pack.compression = draw(&random) % 2;
         s.pack.gravity *= s.pack.compression == SP_COMPRESSION_PISTON;
-        s.pack.strain_rate = 0; /* of other cells */
+        s.pack.strain_rate = s.pack.fraction = 0; /* of other cells and kinds */
+        s.pack.law_exponent = 1.5;
         s.pack.protocol = draw(&random) % 2;
         s.pack.sizes = draw(&random) % 2;
         s.pack.reference = draw(&random) & 1;

@@ -43,7 +43,7 @@ void sp_cell_spec_resolve(sp_pack_spec *s) {
         return;
     if (s->stress_count == components_of(s->dim) && s->stress && mean_stress(s) > 0)
         s->pressure = mean_stress(s);
-    if (s->kind == SP_PACK_PISTON && s->width == usual.width)
+    if (s->kind != SP_PACK_FILE && s->width == usual.width)
         s->width = s->dim == 2    ? sqrt(solid_volume(s))
                    : s->depth > 0 ? sqrt(solid_volume(s) / s->depth)
                                   : cbrt(solid_volume(s));
@@ -133,7 +133,7 @@ static sp_status check_piston_cell(const sp_pack_spec *s, sp_error *err) {
 sp_status sp_cell_spec_check(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err) {
     if (given->cell == SP_CELL_PISTON)
         return check_piston_cell(given, err);
-    if (given->kind != SP_PACK_PISTON && given->kind != SP_PACK_FILE)
+    if (given->kind != SP_PACK_PISTON && given->kind != SP_PACK_FILE && given->kind != SP_PACK_MINIMUM)
         return sp_fail_key(err, SP_EINVAL, "packing.cell", " = \"%s\": must be \"piston\" for ordered packings",
                            sp_cell_names[given->cell]);
     if (given->dim != 2 && given->dim != 3)
@@ -147,5 +147,5 @@ sp_status sp_cell_spec_check(const sp_pack_spec *given, const sp_pack_spec *s, s
         return sp_fail_key(err, SP_EINVAL, "packing.gravity", " = %g: must be 0 for packing.cell = \"%s\"",
                            given->gravity, sp_cell_names[given->cell]);
     sp_status status = given->stress_count != 0 ? check_stress(given, err) : SP_OK;
-    return status == SP_OK && given->kind == SP_PACK_PISTON ? check_edges(given, s, err) : status;
+    return status == SP_OK && given->kind != SP_PACK_FILE ? check_edges(given, s, err) : status;
 }

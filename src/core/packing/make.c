@@ -95,6 +95,8 @@ static const double HISTORY = 1.7;
 
 double sp_pack_memory(const sp_pack_spec *s) {
     const double n = s->grains;
+    if (s->kind == SP_PACK_MINIMUM) /* lists of pairs, which grow by doubling */
+        return n * (s->dim == 3 ? 1600 : 800);
     if (!is_compressed(s))
         return n * (32 + (s->kind == SP_PACK_CHAIN ? 2 : 6) * (double)sizeof(sp_contact));
     const double past = s->tangential == SP_TANGENTIAL_HISTORY && s->friction > 0 ? HISTORY : 1;
@@ -129,7 +131,9 @@ static sp_status complete(const sp_pack_spec *given, const sp_pack_hooks *hooks,
 
 static sp_status make_ordered(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err) {
     if (hooks->state)
-        return sp_fail(err, SP_EFORMAT, "an ordered packing has no state to resume from");
+        return sp_fail(err, SP_EFORMAT, "a packing that is not compressed has no state to resume from");
+    if (spec->kind == SP_PACK_MINIMUM)
+        return sp_minimum_make(spec, hooks, out, err);
     return spec->kind == SP_PACK_CHAIN ? sp_chain_make(spec, out, err) : sp_triangular_make(spec, out, err);
 }
 

@@ -282,6 +282,19 @@ static double own_step(const protocol *own, const sp_pack_spec *s) {
 /* A lag makes other packings of disks that differ by 0.1%: s1/s2 of a lattice at 1e-4 is 0.786, without it 0.907. */
 static double own_lag(const protocol *own, const sp_pack_spec *s) { return may_order(s) ? 0 : own->lag; }
 
+static sp_status check_minimum(const sp_pack_spec *s, sp_error *err) {
+    if (s->cell != SP_CELL_PERIODIC)
+        return sp_fail_key(err, SP_EINVAL, "packing.cell", ": must be \"periodic\" for packing.kind = \"minimum\"");
+    if (s->friction != 0)
+        return sp_fail_key(err, SP_EINVAL, "packing.friction",
+                           " = %g: must be 0 for packing.kind = \"minimum\", whose grains are smooth", s->friction);
+    if (s->stress_count > 0 || s->history_count > 0)
+        return sp_fail_key(err, SP_EINVAL, s->stress_count > 0 ? "packing.stress" : "packing.history",
+                           ": must be empty for packing.kind = \"minimum\"");
+    sp_status status = check_scale(s, err);
+    return status == SP_OK ? check_motion(s, err) : status;
+}
+
 sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given) {
     sp_pack_spec s = *given;
     sp_sizes_limits(given, &s.diameter_min, &s.diameter_max);
@@ -335,7 +348,12 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
                            " = \"history\": must be \"constant\" in packing.dimension = %d, since the law of loading "
                            "history is for a force along one line",
                            s->dim);
+    if (s->kind != SP_PACK_MINIMUM && (s->fraction != 0 || s->law_exponent != 1.5))
+        return sp_fail_key(err, SP_EINVAL, s->fraction != 0 ? "packing.fraction" : "packing.law.exponent",
+                           " = %g: must be %g except for packing.kind = \"minimum\"",
+                           s->fraction != 0 ? s->fraction : s->law_exponent, s->fraction != 0 ? 0 : 1.5);
     switch (s->kind) {
+    case SP_PACK_MINIMUM: return check_minimum(s, err);
     case SP_PACK_CHAIN:
     case SP_PACK_TRIANGULAR: return check_ordered(s, err);
     case SP_PACK_PISTON: return check_piston(s, err);

@@ -34,6 +34,9 @@ typedef struct sp_lattice_start {
 } sp_lattice_start;
 sp_status sp_triangular_start(const sp_pack_spec *spec, double *r, double *x, sp_lattice_start *out, sp_error *err);
 
+/* A minimum of the energy. Errors as in sp_packing_make. */
+sp_status sp_minimum_make(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err);
+
 /* Compresses a gas, lattice or packing to equilibrium. Errors as in sp_packing_make. */
 sp_status sp_piston_make(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err);
 

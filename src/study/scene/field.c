@@ -8,11 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const sp_word pack_kinds[] = {{"piston", SP_PACK_PISTON},
-                                     {"triangular", SP_PACK_TRIANGULAR},
-                                     {"chain", SP_PACK_CHAIN},
-                                     {"file", SP_PACK_FILE},
-                                     {NULL, 0}};
+static const sp_word pack_kinds[] = {{"piston", SP_PACK_PISTON},   {"triangular", SP_PACK_TRIANGULAR},
+                                     {"chain", SP_PACK_CHAIN},     {"file", SP_PACK_FILE},
+                                     {"minimum", SP_PACK_MINIMUM}, {NULL, 0}};
 static const sp_word pack_cells[] = {
     {"piston", SP_CELL_PISTON}, {"periodic", SP_CELL_PERIODIC}, {"box", SP_CELL_BOX}, {NULL, 0}};
 static const sp_word laws[] = {{"uniform", SP_SIZES_UNIFORM},

@@ -107,6 +107,8 @@ static const struct example {
     {"packing.calm_damping", "0.4", "physics.md, Preparation"},
     {"packing.viscous_limit", "1", "physics.md, Preparation"},
     {"packing.strain_rate", "0.001", "physics.md, Cells without a piston, and gravity"},
+    {"packing.fraction", "0.9", "physics.md, Minima of the energy"},
+    {"packing.law.exponent", "1", "physics.md, Minima of the energy"},
     {"packing.max_steps", "2000000", "physics.md, Preparation: generous"},
     {"material.E", "70e9", "none: units.md"},
     {"material.nu", "0.22", "none: units.md"},

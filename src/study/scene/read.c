@@ -81,11 +81,18 @@ static sp_status unknown_group(const sp_reader *r, const char *name) {
                    "packing, material, network, signal, study or column");
 }
 
+/* A group within a group has keys of its own: packing.law.exponent. */
 static sp_status read_key(sp_reader *r, const char *group, const config_setting_t *setting) {
     const char *name = config_setting_name(setting);
     char key[128];
     snprintf(key, sizeof key, "%s.%s", group, name);
     const sp_field *f = sp_field_find(key);
+    sp_status status = SP_OK;
+    if (!f && config_setting_is_group(setting) && strcmp(key, "packing.law") == 0) {
+        for (int k = 0; k < config_setting_length(setting) && status == SP_OK; k++)
+            status = read_key(r, key, config_setting_get_elem(setting, (unsigned)k));
+        return status;
+    }
     if (!f)
         return unknown_key(r, group, name);
     r->given[sp_field_index(f)] = (int)r->line;

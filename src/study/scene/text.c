@@ -98,8 +98,9 @@ void sp_field_put(sp_text *t, const sp_scene *s, const sp_field *f) {
 }
 
 /* Of packing.grains and packing.height only the one that counts is written, so that equal packings have equal texts.
- * Scenes name cell, stress, strain rate and gravity where they are not those of a piston without weight, and loading
- * history where there is one. The dimension is not written where packing.kind is swept and each kind has its own. */
+ * Scenes name cell, stress, strain rate, gravity, law and fraction where they are not those of a piston without weight,
+ * and loading history where there is one. The dimension is not written where packing.kind is swept and each kind has
+ * its own. */
 static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
     if (strcmp(f->key, "packing.dimension") == 0 && !group && !s->dimension_given)
         for (int k = 0; k < s->sweeps; k++)
@@ -109,6 +110,8 @@ static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
         (strcmp(f->key, "packing.gravity") == 0 && s->pack.gravity == 0) ||
         (strcmp(f->key, "packing.tangential") == 0 && s->pack.tangential == SP_TANGENTIAL_CONSTANT) ||
         (strcmp(f->key, "network.tangential") == 0 && s->network.tangential == SP_SPRINGS_CONSTANT) ||
+        (strcmp(f->key, "packing.fraction") == 0 && s->pack.fraction == 0) ||
+        (strcmp(f->key, "packing.law.exponent") == 0 && s->pack.law_exponent == 1.5) ||
         (strcmp(f->key, "packing.strain_rate") == 0 && s->pack.strain_rate == 0) ||
         (strcmp(f->key, "packing.stress") == 0 && s->pack.stress_count == 0))
         return true;
@@ -130,9 +133,13 @@ char *sp_scene_text(const sp_scene *s, const char *group) {
         for (const sp_field *f = sp_fields; f < sp_fields + SP_FIELDS; f++) {
             if (!sp_field_in_group(f, sp_groups[g]) || left_out(s, f, group))
                 continue;
-            sp_text_add(&t, "  %s = ", sp_field_name(f));
+            const char *name = sp_field_name(f), *inner = strchr(name, '.');
+            if (inner)
+                sp_text_add(&t, "  %.*s = { %s = ", (int)(inner - name), name, inner + 1);
+            else
+                sp_text_add(&t, "  %s = ", name);
             sp_field_put(&t, s, f);
-            sp_text_add(&t, ";\n");
+            sp_text_add(&t, inner ? "; };\n" : ";\n");
         }
         sp_text_add(&t, "};\n");
     }

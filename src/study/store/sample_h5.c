@@ -340,7 +340,7 @@ const char *sp_sample_fault(const sp_sample *s) {
         if (!(s->plane[k] > (k ? s->plane[k - 1] : 0)) || !isfinite(s->plane[k]))
             return "planes/height";
     return s->dim < 1 || s->dim > 3                                                    ? "sample/dim"
-           : s->kind < SP_PACK_PISTON || s->kind > SP_PACK_FILE                        ? "sample/kind"
+           : s->kind < SP_PACK_PISTON || s->kind > SP_PACK_MINIMUM                     ? "sample/kind"
            : s->grains < 1                                                             ? "sample/grains"
            : !(s->width > 0 && isfinite(s->width))                                     ? "sample/width"
            : !(s->pressure > 0 && isfinite(s->pressure))                               ? "sample/pressure"

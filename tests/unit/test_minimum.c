@@ -1,0 +1,138 @@
+/* Packings at a minimum of the energy: balanced, stable, of the law, pressure and fraction that are asked for. */
+#include "test.h"
+
+#include "base/base.h"
+
+#include <math.h>
+#include <sonopack/modes.h>
+#include <sonopack/packing.h>
+#include <string.h>
+
+static sp_pack_spec spec_of(int dim, double exponent) {
+    sp_pack_spec s = sp_pack_spec_default();
+    s.kind = SP_PACK_MINIMUM;
+    s.cell = SP_CELL_PERIODIC;
+    s.dim = dim;
+    s.grains = dim == 2 ? 120 : 200;
+    s.friction = 0;
+    s.sizes = SP_SIZES_BIDISPERSE;
+    s.diameter_min = 5.0 / 6;
+    s.diameter_max = 7.0 / 6;
+    s.pressure = 1e-3;
+    s.law_exponent = exponent;
+    s.seed = 5;
+    return s;
+}
+
+/* F = 4/3 E12 R12^(2 - a) n^a, by pow. */
+static double law(double a, double ri, double rj, double n) {
+    const double r = ri * rj / (ri + rj);
+    return 4.0 / 3.0 * 0.5 * pow(r, 2 - a) * pow(n, a);
+}
+
+/* Forces and stiffnesses are those of the law at the overlaps of the positions; the stiffness is the slope of the
+ * force, whose error by differences falls with the square of their width. */
+static void check_law(const sp_packing *p, double a) {
+    sp_audit audit;
+    assert_ok(sp_packing_audit(p, 1e-4, &audit, &err));
+    assert_true(audit.force_residual < 1e-6 && audit.geometry_residual < 1e-12 && audit.missing == 0);
+    assert_true(audit.wall_residual < 1e-12);
+    for (int32_t k = 0; k < p->n_contacts; k++) {
+        const sp_contact *c = &p->contacts[k];
+        const double ri = p->r[c->i], rj = p->r[c->j], n = c->overlap, kn = c->kn;
+        assert_close(c->fn, law(a, ri, rj, n), 1e-13 * c->fn);
+        assert_true((kn == 0) == (a == 1.5));
+        for (double h = 1e-2; kn > 0 && h > 1e-3; h /= 2) {
+            const double slope = (law(a, ri, rj, n * (1 + h)) - law(a, ri, rj, n * (1 - h))) / (2 * h * n);
+            assert_close(slope, kn, (a * h * h + 1e-12) * kn);
+        }
+    }
+}
+
+static void check_stable(const sp_packing *p) {
+    sp_network_options o = sp_network_options_default();
+    sp_network net;
+    sp_stability s;
+    o.prestress = true;
+    assert_ok(sp_network_make(p, &o, &net, &err));
+    assert_ok(sp_stability_make(p, &net, &s, &err));
+    assert_int_equal(s.verdict, SP_MODES_STABLE);
+    assert_int_equal(s.zero, p->dim); /* the packing as a whole */
+    sp_network_free(&net);
+}
+
+TEST(test_laws) {
+    static const double exponents[] = {1, 1.5, 2, 2.3, 3};
+    for (int dim = 2; dim <= 3; dim++)
+        for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k += SANITIZED_STEP(3)) {
+            const sp_pack_spec s = spec_of(dim, exponents[k]);
+            sp_packing p, again;
+            assert_ok(sp_packing_make(&s, NULL, NULL, &p, &err));
+            assert_close(p.pressure, s.pressure, 1e-9 * s.pressure);
+            assert_true(p.residual <= 1e-6 * s.pressure && p.friction == 0);
+            assert_int_equal(sp_packing_hertzian(&p), exponents[k] == 1.5);
+            check_law(&p, exponents[k]);
+            check_stable(&p);
+            assert_ok(sp_packing_make(&s, NULL, NULL, &again, &err));
+            assert_true(sp_packing_hash(&p) == sp_packing_hash(&again));
+            sp_packing_free(&p);
+            sp_packing_free(&again);
+        }
+}
+
+/* A cell of fixed size and shape: its grains have the fraction; below jamming there is no packing. */
+TEST(test_fraction) {
+    for (int dim = 2; dim <= 3; dim++) {
+        sp_pack_spec s = spec_of(dim, 1);
+        double solid = 0, volume;
+        sp_packing p;
+        s.fraction = dim == 2 ? 0.9 : 0.72;
+        s.width = 20;
+        s.depth = dim == 3 ? 10 : 0;
+        s.grains = dim == 2 ? 400 : 2000;
+        assert_ok(sp_packing_make(&s, NULL, NULL, &p, &err));
+        for (int32_t i = 0; i < p.n; i++)
+            solid += dim == 2 ? 3.14159265358979 * p.r[i] * p.r[i] : 4.18879020478639 * p.r[i] * p.r[i] * p.r[i];
+        volume = sp_packing_volume(&p);
+        assert_close(solid / volume, s.fraction, 1e-12);
+        if (dim == 3)
+            assert_close(p.box[0], 2 * p.box[1], 1e-12);
+        assert_true(p.pressure > 1e-4);
+        check_law(&p, 1);
+        sp_packing_free(&p);
+        s.fraction = 0.4;
+        assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EFAILED, "packing.fraction");
+    }
+}
+
+static bool stop(const sp_pack_progress *progress, void *user) {
+    (void)progress, (void)user;
+    return false;
+}
+
+TEST(test_refusals) {
+    sp_packing p = sp_packing_none();
+    sp_pack_spec s = spec_of(2, 1);
+    assert_fails(sp_packing_make(&s, stop, NULL, &p, &err), SP_EINTERRUPTED, "steps");
+    s.max_steps = 10;
+    assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EFAILED, "10 steps");
+    s = spec_of(2, 1);
+    s.friction = 0.5;
+    assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.friction");
+    s = spec_of(2, 1);
+    s.cell = SP_CELL_BOX;
+    assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.cell");
+    s = spec_of(2, 1);
+    s.kind = SP_PACK_PISTON;
+    assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.law.exponent");
+    s.law_exponent = 1.5;
+    s.fraction = 0.9;
+    assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.fraction");
+    s = spec_of(2, NAN);
+    assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.law.exponent");
+    s = spec_of(2, 2);
+    EACH_ALLOCATION_FAILS(5, sp_packing_make(&s, NULL, NULL, &p, &err), assert_true(!lacks || !p.x),
+                          sp_packing_free(&p));
+}
+
+RUN_TESTS(NULL, NULL)
