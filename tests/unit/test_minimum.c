@@ -105,6 +105,41 @@ TEST(test_fraction) {
     }
 }
 
+typedef struct stages {
+    int32_t count;
+    double pressure[2], residual;
+} stages;
+
+static sp_status keep(const sp_packing *p, int32_t index, void *user, sp_error *e) {
+    stages *s = user;
+    (void)e;
+    check_law(p, 1);
+    assert_int_equal(index, s->count);
+    s->pressure[s->count++] = p->pressure;
+    return SP_OK;
+}
+
+/* Down in pressure: each is at rest at its own, and the last contacts are some of the first ones. */
+TEST(test_history) {
+    static const double history[] = {1e-2, 1e-3};
+    sp_pack_spec s = spec_of(2, 1);
+    stages seen = {0};
+    const sp_pack_hooks hooks = {.user = &seen, .stage = keep};
+    sp_packing p;
+    s.history = history;
+    s.history_count = 2;
+    s.pressure = 1e-4;
+    assert_ok(sp_packing_make_with(&s, &hooks, &p, &err));
+    assert_int_equal(seen.count, 2);
+    for (int k = 0; k < 2; k++)
+        assert_close(seen.pressure[k], history[k], 1e-8 * history[k]);
+    assert_close(p.pressure, 1e-4, 1e-12);
+    check_law(&p, 1);
+    sp_packing_free(&p);
+    s.fraction = 0.9;
+    assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.history");
+}
+
 static bool stop(const sp_pack_progress *progress, void *user) {
     (void)progress, (void)user;
     return false;

@@ -197,7 +197,7 @@ sp_packing_forecast sp_packing_expect(const sp_pack_spec *given, int threads, co
     }
     if (s.kind == SP_PACK_MINIMUM) { /* 500 to 8000 disks, 1000 to 4000 spheres: within a factor of 2 */
         const double grains = s.grains;
-        f.steps = 14000 * pow(grains / 500, 0.5) * pressed(&s, -0.65 / s.law_exponent);
+        f.steps = (1 + s.history_count) * 14000 * pow(grains / 500, 0.5) * pressed(&s, -0.65 / s.law_exponent);
         f.cost.cpu = f.cost.wall = (s.dim == 2 ? 4e-8 : 1e-7) * grains * f.steps * machine->slower[SP_KERNEL_STEP];
         return f;
     }

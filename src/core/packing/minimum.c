@@ -40,6 +40,7 @@ typedef struct minimum {
     double *memory, *v, *f, *stiff, *old; /* [n][3] velocities, forces, sum of stiffnesses [n], places of the list */
     double grown;                         /* edges over those of the list */
     double unit, v_cell, f_cell;          /* the cell's coordinate is unit times the logarithm of its edges */
+    double aim;                           /* pressure of this stage */
     double pressure, residual, stiffest;
     bool fixed; /* the cell keeps its size */
 } minimum;
@@ -150,7 +151,7 @@ static void find_forces(minimum *m) {
     m->pressure = virial / (dim * volume);
     m->residual = largest;
     m->stiffest = stiffest;
-    m->f_cell = m->fixed ? 0 : dim * volume * (m->pressure - m->spec->pressure) / m->unit;
+    m->f_cell = m->fixed ? 0 : dim * volume * (m->pressure - m->aim) / m->unit;
 }
 
 static double dot(const minimum *m, const double *a, const double *b, double cell) {
@@ -184,7 +185,7 @@ static void push(minimum *m, double dt, double turn) {
 }
 
 static bool at_rest(const minimum *m) {
-    const double p = m->fixed ? m->pressure : m->spec->pressure;
+    const double p = m->fixed ? m->pressure : m->aim;
     const bool held = m->fixed || fabs(m->pressure / p - 1) < PRESSURE_OFF;
     return held && m->residual <= fmin(m->spec->tolerance, 1e-6 * p);
 }
@@ -202,10 +203,12 @@ static sp_status report(const minimum *m, sp_error *err) {
 
 static sp_status descend(minimum *m, sp_error *err) {
     const int64_t most = m->spec->max_steps > 0 ? m->spec->max_steps : STEPS_MOST;
+    const int64_t begin = m->steps;
     double dt = 0, turn = TURN;
     int64_t downhill = 0;
-    for (m->steps = 0; m->steps < most; m->steps++) {
-        sp_status status = m->steps == 0 || is_old(m) ? list_pairs(m, err) : SP_OK;
+    for (; m->steps < begin + most; m->steps++) {
+        const bool first = m->steps == begin;
+        sp_status status = first || is_old(m) ? list_pairs(m, err) : SP_OK;
         if (status == SP_OK && m->steps % REPORT == 0)
             status = report(m, err);
         if (status != SP_OK)
@@ -221,14 +224,14 @@ static sp_status descend(minimum *m, sp_error *err) {
         if (at_rest(m))
             return SP_OK;
         const double longest = 0.7 / sqrt(fmax(2 * m->stiffest, 1e-12)); /* omega_max^2 <= 2 max sum k */
-        dt = m->steps == 0 ? 0.1 * longest : fmin(dt, longest);
+        dt = first ? 0.1 * longest : fmin(dt, longest);
         if (dot(m, m->f, m->v, m->f_cell * m->v_cell) > 0) {
             if (++downhill > LATENCY) {
                 dt = fmin(GROW * dt, longest);
                 turn *= TURN_LESS;
             }
         } else {
-            if (m->steps > LATENCY && dt > 0.02 * longest)
+            if (m->steps > begin + LATENCY && dt > 0.02 * longest)
                 dt *= SHRINK;
             downhill = 0;
             turn = TURN;
@@ -241,7 +244,7 @@ static sp_status descend(minimum *m, sp_error *err) {
     }
     return sp_fail(err, SP_EFAILED,
                    "not at rest after %lld steps: the largest acceleration is %.3g, must be below %.3g",
-                   (long long)m->steps, m->residual, m->spec->tolerance);
+                   (long long)most, m->residual, m->spec->tolerance);
 }
 
 /* Random points in a cell of the fraction that is given, or that is usual. */
@@ -275,7 +278,7 @@ static sp_status start(minimum *m, sp_error *err) {
 }
 
 /* The packing with its contacts. Those of another law than Hertz's have stiffnesses of their own. */
-static sp_status finish(minimum *m, sp_packing *out, sp_error *err) {
+static sp_status finish(const minimum *m, sp_packing *out, sp_error *err) {
     const double a = m->spec->law_exponent;
     int32_t count = 0;
     double d[3];
@@ -316,11 +319,26 @@ static sp_status finish(minimum *m, sp_packing *out, sp_error *err) {
     return SP_OK;
 }
 
+static sp_status report_stage(const minimum *m, int32_t k, sp_error *err) {
+    sp_packing p = sp_packing_none();
+    if (!m->hooks->stage)
+        return SP_OK;
+    sp_status status = finish(m, &p, err);
+    if (status == SP_OK)
+        status = m->hooks->stage(&p, k, m->hooks->user, err);
+    sp_packing_free(&p);
+    return status;
+}
+
 sp_status sp_minimum_make(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err) {
     minimum m = {.spec = spec, .hooks = hooks, .p = sp_packing_none(), .fixed = true};
     sp_status status = start(&m, err);
-    if (status == SP_OK)
+    for (int32_t k = 0; k <= spec->history_count && status == SP_OK; k++) {
+        m.aim = k < spec->history_count ? spec->history[k] : spec->pressure;
         status = descend(&m, err);
+        if (status == SP_OK && k < spec->history_count)
+            status = report_stage(&m, k, err);
+    }
     if (status == SP_OK)
         status = finish(&m, out, err);
     sp_packing_free(&m.p);

@@ -288,9 +288,10 @@ static sp_status check_minimum(const sp_pack_spec *s, sp_error *err) {
     if (s->friction != 0)
         return sp_fail_key(err, SP_EINVAL, "packing.friction",
                            " = %g: must be 0 for packing.kind = \"minimum\", whose grains are smooth", s->friction);
-    if (s->stress_count > 0 || s->history_count > 0)
+    if (s->stress_count > 0 || (s->history_count > 0 && s->fraction > 0))
         return sp_fail_key(err, SP_EINVAL, s->stress_count > 0 ? "packing.stress" : "packing.history",
-                           ": must be empty for packing.kind = \"minimum\"");
+                           ": must be empty for packing.kind = \"minimum\"%s",
+                           s->stress_count > 0 ? "" : " at a packing.fraction");
     sp_status status = check_scale(s, err);
     return status == SP_OK ? check_motion(s, err) : status;
 }
