@@ -88,6 +88,38 @@ typedef struct sp_probe_moduli {
 SP_API sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, const sp_probe *probe,
                                  sp_moduli *global, sp_probe_moduli *out, sp_error *err);
 
+/* ---- response to a load ------------------------------------------------------------------------------------------ */
+
+typedef enum sp_load_kind {
+    SP_LOAD_FORCE = 0, /* a force of 1 on a grain, along an axis; where the packing can move as a whole, in a periodic
+                          cell or between smooth walls, balanced by the opposite one, spread over all masses */
+    SP_LOAD_DIPOLE,    /* two forces of 1 that push the ends of a spring apart, along its normal */
+    SP_LOAD_SWELL,     /* a grain that grows: its radius by 1 of itself */
+    SP_LOAD_STRAIN     /* an affine strain of 1, as of sp_moduli_make; u is what the grains add to it */
+} sp_load_kind;
+
+typedef struct sp_load {
+    sp_load_kind kind;
+    int32_t at;   /* grain of the network, or spring */
+    int32_t axis; /* FORCE: 0 .. dim-1. STRAIN: 11, 22, 12; in 3D 11, 22, 33, 23, 13, 12 */
+} sp_load;
+
+/* Displacements of the grains between fixed walls, or in a fixed cell. Extension is positive, as in K. */
+typedef struct sp_response {
+    int64_t n, springs; /* degrees of freedom; contacts of the network */
+    double *u;          /* [n] displacements, rotations as in the network */
+    double *fn,
+        *ft;      /* [springs] change of the normal force, positive in compression; size of the change of the tangential
+                     force. Of a strain with its affine part, of a dipole without the forces that are applied */
+    double work;  /* half of the load times u: of a strain the nonaffine part of - C V/2 */
+    double error; /* u is exact for a load that differs by this part of it: residual and rounding */
+} sp_response;
+SP_API sp_response sp_response_none(void);
+/* One sparse factorization. SP_EINVAL for a load that does not exist. SP_EREFUSED if K is not symmetric, if the load
+ * moves what no spring holds, and as sp_moduli_make. */
+SP_API sp_status sp_response_make(const sp_network *net, const sp_load *load, sp_response *out, sp_error *err);
+SP_API void sp_response_free(sp_response *r);
+
 /* ---- finite strain ---------------------------------------------------------------------------------------------- */
 
 typedef struct sp_finite_strain_options {

@@ -118,6 +118,16 @@ class ComplexModes(_fields.ComplexModes):
         call(lib.sp_complex_modes_make, network._c, _core.number_of("sp_source", source, "source"), self._c)
 
 
+class Response(_fields.Response):
+    """Displacements and forces of a static load. Made by network.respond()."""
+
+    def __init__(self, network: Network, load: str, at: int, axis: int) -> None:
+        self.network = network
+        self._c = _core.new("sp_response", lib.sp_response_free, lib.sp_response_none)
+        kind = _core.number_of("sp_load_kind", load, "load")
+        call(lib.sp_response_make, network._c, ffi.new("sp_load *", {"kind": kind, "at": at, "axis": axis}), self._c)
+
+
 # ---- spectra ----------------------------------------------------------------------------------------------------------
 
 class DensityOfStates(_core.NetworkResult, _fields.Dos):

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from . import _core, _fields, _place, _records, _sensitivity
 from ._core import Floats, Integers, call, documented
 from ._native import ffi, lib
-from ._modes import (ComplexModes, Continuum, DampedModes, DensityOfStates, Dispersion, Harmonic, Modes, Transmission,
-                     WaveSection)
+from ._modes import (ComplexModes, Continuum, DampedModes, DensityOfStates, Dispersion, Harmonic, Modes, Response,
+                     Transmission, WaveSection)
 from ._place import Where
 from ._sensitivity import Gradient
 from ._si import InSI
@@ -190,6 +190,11 @@ class Network(_fields.Network):
     def complex_modes(self, source: str = "impulse") -> ComplexModes:
         """Modes with prestress and friction, of which some may grow."""
         return ComplexModes(self, source)
+
+    @documented("sp_response_make")
+    def respond(self, load: str, at: int = 0, axis: int = 0) -> Response:
+        """The static response to a load: "force" or "swell" at a grain of the network, "dipole" at a spring, "strain"."""
+        return Response(self, load, at, axis)
 
     @documented("sp_stability_make")
     def stability(self) -> _records.Stability:

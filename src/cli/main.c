@@ -22,6 +22,8 @@ static const cli_command_row commands[] = {
     {"check", cmd_check, &cmd_check_syntax, "check packings: overlaps, balance of forces, Coulomb's condition, walls"},
     {"statics", cmd_statics, &cmd_statics_syntax, "densities, contacts, forces and stress of packings"},
     {"moduli", cmd_moduli, &cmd_moduli_syntax, "elastic moduli and speeds of long waves"},
+    {"respond", cmd_respond, &cmd_respond_syntax,
+     "displacements and forces of a static load: a force, a strain, a grain"},
     {"modes", cmd_modes, &cmd_modes_syntax, "eigenfrequencies, and the weight of each mode in the signal"},
     {"spectrum", cmd_spectrum, &cmd_spectrum_syntax, "density of states, transmission, dispersion, harmonic driving"},
     {"signal", cmd_signal, &cmd_signal_syntax, "force on the top wall after a short pulse at the bottom wall"},
@@ -172,7 +174,8 @@ static bool has_stack(void) {
 }
 
 /* OpenBLAS on one thread: its sums then do not depend on the number of cores, and samples that are computed side by
- * side do not take each other's cores. Its other threads, which have begun with the process, spin for 30 ms: they end. */
+ * side do not take each other's cores. Its other threads, which have begun with the process, spin for 30 ms: they end.
+ */
 static void use_one_blas_thread(void) {
     if (openblas_set_num_threads)
         openblas_set_num_threads(1);

@@ -6,7 +6,8 @@ import pathlib
 
 import numpy as np
 
-from command import N600, main, pack, refused, run, table
+from command import N200, N600, main, pack, refused, run, table
+from network_oracle import network
 
 
 def same_rows(part, whole, rows):
@@ -83,6 +84,9 @@ def growing():
         few = table("modes", path, "--prestress", "--frequencies-only")
         assert np.array_equal(few["growth"], modes["growth"]) and "sine" not in few.names
     assert pairs >= 2  # there are motions that grow
+    exact, own = np.sort(np.sqrt(network(N200, True).turned_modes[0]).real), table("modes", N200, "--prestress")
+    rattlers = int(own.notes["rattler_modes"])
+    assert np.abs(own["omega"][rattlers:] - exact).max() < 1e-9 * exact[-1] and not own["omega"][:rattlers].any()
     refused(path, "modes", path, "--prestress", "--lowest", 3, status=1)
 
 

@@ -11,6 +11,7 @@ import numpy as np  # noqa: E402
 
 from command import N200, N600, Table, main, pack, refused, run, table, tried  # noqa: E402
 from common import names_all  # noqa: E402
+from network_oracle import network  # noqa: E402
 
 PROBES = ["sine:1", "sine:5", "lines:1", "lines:3"]
 
@@ -230,4 +231,36 @@ def without_a_value():
     assert np.isclose(row["C22"][0], linear["C22"][0], rtol=1e-6)  # strain over overlap: 1e-7
 
 
-main(strain_and_probes, floppy, strained, without_a_value)
+def responses():
+    """respond against a dense solution of the plain network: displacements, forces, work; and what is refused."""
+    plain = network(N200)
+    rows, normals = {grain: k for k, grain in enumerate(plain.alive)}, np.arange(0, len(plain.k), 2)
+    grain, other = int(plain.alive[17]), int(plain.alive[60])
+    force, swell, dipole = (np.zeros(len(plain.mass)) for _ in range(3))
+    force[3 * rows[grain] + 1] = 1
+    radius = dict(zip(*(table("respond", N200, "--strain", "xx")[name] for name in ("grain", "radius"))))
+    of = normals[(plain.ends[normals] == rows[other]).any(axis=1)]
+    swell += plain.b[of].T @ plain.k[of] * radius[other]
+    contact = table("respond", N200, "--strain", "xx", "--contacts")
+    at = int(contact["contact"][5])
+    i, j = (int(contact[name][5]) for name in "ij")
+    between = next(q for q in normals if list(plain.ends[q]) == [rows[i], rows[j] if j >= 0 else j])
+    dipole += plain.b[between]
+    for words, load in ((("--push", f"{grain}:y"), force), (("--swell", other), swell), (("--dipole", at), dipole),
+                        (("--strain", "yy"), -plain.b.T @ (plain.k * plain.affine[:, 1])),
+                        (("--strain", "xy"), -plain.b.T @ (plain.k * plain.affine[:, 2]))):
+        own, exact = table("respond", N200, *words), np.linalg.solve(plain.matrix, load)
+        u = np.column_stack([own["ux"], own["uy"], own["rz"]]).ravel()
+        assert list(own["grain"]) == list(plain.alive), words
+        assert np.abs(u - exact).max() < 1e-9 * np.abs(exact).max() and own.note("error") < 1e-10, words
+        assert np.isclose(own.note("work"), 0.5 * load @ exact, rtol=1e-9), words
+    for word in (["--push", "3"], ["--push", "3:q"], ["--push", "3:z"], ["--swell", "x"], ["--strain", "yx"], ["--strain", "x"],
+                 ["--strain", "zz"], [], ["--swell", 1, "--dipole", 2], ["--dipole", -1]):
+        refused(word[0] if len(word) == 2 else "--push --strain", "respond", N200, *word,
+                status=2 if word not in (["--push", "3:z"], ["--strain", "zz"]) else 1)
+    rattler = next(k for k in range(200) if k not in rows)
+    for word in (["--push", f"{rattler}:x"], ["--swell", 200], ["--dipole", 100000], ["--swell", 3, "--prestress"]):
+        refused("", "respond", N200, *word, status=1)
+
+
+main(strain_and_probes, floppy, strained, without_a_value, responses)

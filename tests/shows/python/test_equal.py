@@ -107,6 +107,13 @@ def test_modes():
     assert filecmp.cmp("V.h5", "W.h5", shallow=False), "the files of vectors differ"
 
 
+def test_respond():
+    network = packing().network()
+    read, own = table("respond", "P.h5", "--strain", "yy"), network.respond("strain", axis=1)
+    assert np.array_equal(np.column_stack([read["ux"], read["uy"], read["rz"]]).ravel(), own.u)
+    all_equal(table("respond", "P.h5", "--strain", "yy", "--contacts"), own, ["fn", "ft"], "forces")
+
+
 def test_moduli():
     network = packing().network()
     all_equal(table("moduli", "P.h5"), network.moduli(), ["C11=c11", "C12=c12", "C22=c22", "C33=c33", "c_l", "c_t"], "moduli")

@@ -1,0 +1,207 @@
+/* sonopack respond: prints the static response of a packing to a load, by grains or by contacts. */
+#include "base/base.h"
+#include "cli/files.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct arguments {
+    cli_common common;
+    int loads; /* how many were given */
+    sp_load_kind kind;
+    int64_t at;  /* grain or contact of the packing */
+    char axis;   /* of a force */
+    int pair[2]; /* axes of a strain */
+    bool contacts;
+} arguments;
+
+static const char axes[] = "xyz";
+
+/* The axis of a letter, or -1. */
+static int axis_of(char letter) {
+    const char *found = letter ? strchr(axes, letter) : NULL;
+    return found ? (int)(found - axes) : -1;
+}
+
+static sp_status read_push(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
+    const char *colon = strchr(text, ':');
+    char number[32] = "";
+    a->loads++;
+    a->kind = SP_LOAD_FORCE;
+    if (!colon || colon - text >= (long)sizeof number || axis_of(colon[1]) < 0 || colon[2])
+        return sp_fail(err, SP_EINVAL, "--push %.60s: must be GRAIN:x, GRAIN:y or GRAIN:z", text);
+    memcpy(number, text, (size_t)(colon - text));
+    a->axis = colon[1];
+    return cli_integer("--push", number, 0, INT32_MAX, &a->at, err);
+}
+
+static sp_status read_dipole(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
+    a->loads++;
+    a->kind = SP_LOAD_DIPOLE;
+    return cli_integer("--dipole", text, 0, INT32_MAX, &a->at, err);
+}
+
+static sp_status read_swell(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
+    a->loads++;
+    a->kind = SP_LOAD_SWELL;
+    return cli_integer("--swell", text, 0, INT32_MAX, &a->at, err);
+}
+
+static sp_status read_strain(void *user, const char *text, sp_error *err) {
+    arguments *a = user;
+    a->loads++;
+    a->kind = SP_LOAD_STRAIN;
+    for (int k = 0; k < 2; k++)
+        a->pair[k] = axis_of(text[0] ? text[k] : '\0');
+    if (a->pair[0] < 0 || a->pair[1] < a->pair[0] || text[2])
+        return sp_fail(err, SP_EINVAL, "--strain %.60s: must be xx, yy, zz, xy, xz or yz", text);
+    return SP_OK;
+}
+
+static sp_status check(void *user, sp_error *err) {
+    const arguments *a = user;
+    return a->loads == 1 ? SP_OK
+                         : sp_fail(err, SP_EINVAL,
+                                   "must have one of --push, --dipole, --swell and --strain, there are %d", a->loads);
+}
+
+static const cli_option options[] = {
+    {"push", "GRAIN:AXIS", "A force of 1 on a grain along x, y or z", .parse = read_push},
+    {"dipole", "CONTACT", "Two forces of 1 that push the ends of a contact apart", .parse = read_dipole},
+    {"swell", "GRAIN", "A grain whose radius grows by 1 of itself", .parse = read_swell},
+    {"strain", "AB", "An affine strain of 1: xx, yy, zz, xy, xz or yz", .parse = read_strain},
+    {"contacts", NULL, "Print the changes of the forces of all contacts in place of displacements", CLI_FLAG,
+     CLI_FIELD(contacts)},
+    {0}};
+
+const cli_syntax cmd_respond_syntax = {
+    .usage = "FILE",
+    .help =
+        "Static linear response of a packing to one load, between fixed walls or in a fixed cell: the displacements of "
+        "its grains, or the changes of its forces.\v"
+        "Loads are unit loads: results are for each unit of force [E* d^2], of relative growth, or of strain. Numbers "
+        "of grains and contacts are those of the packing, from 0. Of a strain the displacements are what the grains "
+        "add to the affine field (the nonaffine ones), and forces are those of both. Where a packing can move as a "
+        "whole, in a periodic cell or between smooth walls, a force is balanced by the opposite one, spread over all "
+        "masses. fn is positive in compression; ft is the size of the change of the tangential force.\n"
+        "\n"
+        "The comment error is a bound: the displacements are exact for a load that differs by this part of it. work "
+        "is half of the load times the displacements; of a strain 2 work/V is what the grains take off the affine "
+        "modulus. Rattlers are left out. With friction --prestress is refused. --set takes keys of the group network.",
+    .file_name = "packing",
+    .files_min = 1,
+    .files_max = 1,
+    .finds_material = true,
+    .options = options,
+    .springs = true,
+    .check = check};
+
+/* ---- the load ---------------------------------------------------------------------------------------------------- */
+
+static sp_status find_grain(const arguments *a, const sp_network *net, const char *option, int32_t *out,
+                            sp_error *err) {
+    if (a->at >= net->n_all)
+        return sp_fail(err, SP_EINVAL, "%s %lld: must be a grain 0 .. %d", option, (long long)a->at, net->n_all - 1);
+    for (*out = 0; *out < net->n; ++*out)
+        if (net->grain[*out] == a->at)
+            return SP_OK;
+    return sp_fail(err, SP_EREFUSED, "%s %lld: is a rattler, which nothing holds", option, (long long)a->at);
+}
+
+static sp_status find_spring(const arguments *a, const cli_file *file, int32_t *out, sp_error *err) {
+    if (a->at >= file->packing.n_contacts)
+        return sp_fail(err, SP_EINVAL, "--dipole %lld: must be a contact 0 .. %d", (long long)a->at,
+                       file->packing.n_contacts - 1);
+    for (*out = 0; *out < file->network.n_springs; ++*out)
+        if (file->network.springs[*out].contact == a->at)
+            return SP_OK;
+    return sp_fail(err, SP_EREFUSED, "--dipole %lld: this contact carries no force", (long long)a->at);
+}
+
+/* In the order of Voigt: 11, 22, 12, or 11, 22, 33, 23, 13, 12. */
+static int strain_of(int dim, const int pair[2]) {
+    if (pair[0] == pair[1])
+        return pair[0];
+    return dim == 2 ? 2 : 6 - pair[0] - pair[1];
+}
+
+static sp_status find_load(const arguments *a, const cli_file *file, sp_load *load, sp_error *err) {
+    const int dim = file->packing.dim, last = a->kind == SP_LOAD_STRAIN  ? a->pair[1]
+                                              : a->kind == SP_LOAD_FORCE ? axis_of(a->axis)
+                                                                         : 0;
+    *load = (sp_load){.kind = a->kind};
+    if (dim == 1)
+        return sp_fail(err, SP_EREFUSED, "is a chain: must have two or three dimensions");
+    if (last >= dim)
+        return sp_fail(err, SP_EINVAL, "%s: axis %c, must be one of the packing's %d",
+                       a->kind == SP_LOAD_FORCE ? "--push" : "--strain", axes[last], dim);
+    switch (a->kind) {
+    case SP_LOAD_FORCE: load->axis = last; return find_grain(a, &file->network, "--push", &load->at, err);
+    case SP_LOAD_SWELL: return find_grain(a, &file->network, "--swell", &load->at, err);
+    case SP_LOAD_DIPOLE: return find_spring(a, file, &load->at, err);
+    case SP_LOAD_STRAIN: load->axis = strain_of(dim, a->pair); break;
+    }
+    return SP_OK;
+}
+
+/* ---- the table --------------------------------------------------------------------------------------------------- */
+
+static void grain_rows(const arguments *a, const sp_network *net, const sp_response *r, cli_writer *w) {
+    static const char *const names[] = {"ux", "uy", "uz", "rx", "ry", "rz"};
+    const bool forced = a->kind == SP_LOAD_FORCE || a->kind == SP_LOAD_DIPOLE;
+    cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
+    cli_place_columns(w, net->dim);
+    cli_columns(w, SP_COLUMN_NUMBER, "radius", "d", NULL);
+    for (int c = 0; c < net->dof; c++)
+        cli_columns(w, SP_COLUMN_NUMBER,
+                    names[c < net->dim    ? c
+                          : net->dim == 2 ? 5
+                                          : c],
+                    c < net->dim ? (forced ? "1/(E* d)" : "d") : (forced ? "1/(E* d^2)" : ""), NULL);
+    for (int32_t i = 0; i < net->n && w->status == SP_OK; i++) {
+        cli_put(w, net->grain[i]);
+        for (int c = 0; c < net->dim; c++)
+            cli_put(w, net->x[3 * (int64_t)i + c]);
+        cli_put(w, net->r[i]);
+        for (int c = 0; c < net->dof; c++)
+            cli_put(w, r->u[(int64_t)i * net->dof + c]);
+        cli_end_row(w);
+    }
+}
+
+static void contact_rows(const arguments *a, const sp_network *net, const sp_response *r, cli_writer *w) {
+    const char *unit = a->kind == SP_LOAD_FORCE || a->kind == SP_LOAD_DIPOLE ? "" : "E* d^2";
+    cli_columns(w, SP_COLUMN_INTEGER, "contact", "", "i", "", "j", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "fn", unit, "ft", unit, NULL);
+    for (int32_t k = 0; k < net->n_springs && w->status == SP_OK; k++) {
+        const sp_spring *s = &net->springs[k];
+        cli_row(w, s->contact, net->grain[s->i], s->j < 0 ? s->j : net->grain[s->j], r->fn[k], r->ft[k]);
+    }
+}
+
+static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
+    const arguments *a = user;
+    sp_load load;
+    sp_response r = sp_response_none();
+    w->status = find_load(a, file, &load, w->err);
+    CLI_THEN(w->status, sp_response_make(&file->network, &load, &r, w->err));
+    cli_comment(w, "file = %s", file->path);
+    cli_value(w, "pressure", file->packing.pressure);
+    cli_value(w, "work", r.work);
+    cli_comment(w, "error = %.3g", r.error);
+    if (w->status == SP_OK)
+        (a->contacts ? contact_rows : grain_rows)(a, &file->network, &r, w);
+    sp_response_free(&r);
+    return w->status;
+}
+
+int cmd_respond(int argc, char **argv) {
+    static const cli_files command = {CLI_OF_NETWORK, .add = add_rows};
+    arguments a = {0};
+    cli_parse(&cmd_respond_syntax, argc, argv, &a);
+    return cli_run_files(&command, &a);
+}
