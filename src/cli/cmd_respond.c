@@ -89,9 +89,10 @@ const cli_syntax cmd_respond_syntax = {
         "whole, in a periodic cell or between smooth walls, a force is balanced by the opposite one, spread over all "
         "masses. fn is positive in compression; ft is the size of the change of the tangential force.\n"
         "\n"
-        "The comment error is a bound: the displacements are exact for a load that differs by this part of it. work "
-        "is half of the load times the displacements; of a strain 2 work/V is what the grains take off the affine "
-        "modulus. Rattlers are left out. With friction --prestress is refused. --set takes keys of the group network.",
+        "The comment load_error is a bound: the displacements are exact for a load that differs by this part of it. "
+        "compliance is the displacement of the load itself, work half of the load times the displacements; of a strain "
+        "2 work/V is what the grains take off the affine modulus. Rattlers are left out. With friction --prestress is "
+        "refused. --set takes keys of the group network.",
     .file_name = "packing",
     .files_min = 1,
     .files_max = 1,
@@ -150,9 +151,11 @@ static sp_status find_load(const arguments *a, const cli_file *file, sp_load *lo
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
 
+static bool is_force(const arguments *a) { return a->kind == SP_LOAD_FORCE || a->kind == SP_LOAD_DIPOLE; }
+
 static void grain_rows(const arguments *a, const sp_network *net, const sp_response *r, cli_writer *w) {
     static const char *const names[] = {"ux", "uy", "uz", "rx", "ry", "rz"};
-    const bool forced = a->kind == SP_LOAD_FORCE || a->kind == SP_LOAD_DIPOLE;
+    const bool forced = is_force(a);
     cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
     cli_place_columns(w, net->dim);
     cli_columns(w, SP_COLUMN_NUMBER, "radius", "d", NULL);
@@ -174,7 +177,7 @@ static void grain_rows(const arguments *a, const sp_network *net, const sp_respo
 }
 
 static void contact_rows(const arguments *a, const sp_network *net, const sp_response *r, cli_writer *w) {
-    const char *unit = a->kind == SP_LOAD_FORCE || a->kind == SP_LOAD_DIPOLE ? "" : "E* d^2";
+    const char *unit = is_force(a) ? "" : "E* d^2";
     cli_columns(w, SP_COLUMN_INTEGER, "contact", "", "i", "", "j", "", NULL);
     cli_columns(w, SP_COLUMN_NUMBER, "fn", unit, "ft", unit, NULL);
     for (int32_t k = 0; k < net->n_springs && w->status == SP_OK; k++) {
@@ -191,8 +194,11 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     CLI_THEN(w->status, sp_response_make(&file->network, &load, &r, w->err));
     cli_comment(w, "file = %s", file->path);
     cli_value(w, "pressure", file->packing.pressure);
-    cli_value(w, "work", r.work);
-    cli_comment(w, "error = %.3g", r.error);
+    if (is_force(a))
+        cli_value(w, "compliance", 2 * r.work);
+    else
+        cli_value(w, "work", r.work);
+    cli_comment(w, "load_error = %.3g", r.error);
     if (w->status == SP_OK)
         (a->contacts ? contact_rows : grain_rows)(a, &file->network, &r, w);
     sp_response_free(&r);

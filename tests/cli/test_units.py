@@ -23,13 +23,14 @@ FACTORS = {"d": ("mm", D * 1e3), "1/d": ("1/mm", 1e-3 / D), "E*": ("kPa", MODULU
            "E* / (rho d^2)": ("rad^2/s^2", MODULUS / RHO / D**2), "modes d/sqrt(E* / rho)": ("modes us", TIME * 1e6),
            "E* d^3/sqrt(E* / rho)": ("N us", MODULUS * D**2 * TIME * 1e6), "E* d^2/sqrt(E* / rho)": ("N s/m", MODULUS * D**2 / SPEED),
            "1/sqrt(rho d^3)": ("1/sqrt(mg)", (MASS * 1e6) ** -0.5),
-           "d sqrt(E* / rho)": ("m^2/s", D * SPEED),
+           "d sqrt(E* / rho)": ("m^2/s", D * SPEED), "E* d^3": ("N mm", MODULUS * D**3 * 1e3),
+           "1/(E* d)": ("mm/N", 1e3 / (MODULUS * D)), "1/(E* d^2)": ("1/N", 1 / (MODULUS * D**2)),
            "1/sqrt(rho d^5)": ("1/(sqrt(mg) mm)", (MASS * 1e6) ** -0.5 / (D * 1e3)),
            "d sqrt(rho d^3)": ("mm sqrt(mg)", D * 1e3 * (MASS * 1e6) ** 0.5),
            "E* d/sqrt(rho d^3)": ("N/(m sqrt(mg))", MODULUS * D * (MASS * 1e6) ** -0.5)}
 SI = {si: factor for si, factor in FACTORS.values()}
 # columns and comments of numbers that have no dimension, and of texts
-PLAIN = re.compile(r"""file|contact|i|j|probe|reason|verdict|branch|polarization|ok|failed|name|seed|dimension|grains?|samples|left_out|modes|steps|
+PLAIN = re.compile(r"""file|contact|i|j|r[xyz]|fn|ft|probe|reason|verdict|branch|polarization|ok|failed|name|seed|dimension|grains?|samples|left_out|modes|steps|
     n|n1|n2|made|lost|sliding|rattlers|negative|flutter|zero|z_star|friction|strain|part|participation|share|min|max|sd|misfit|
     overlap|ratio|alpha|alpha_err|alpha_peak|alpha_peak_err|gamma|gamma_err|speed_over_c_l|k_path(_err)?|plane|below(_err)?|(pulse_)?(along|across|rotation|normal|tangential)(_err)?|C\d\d_((sine|lines)\d_)?ratio(_\w+)?|
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
@@ -43,7 +44,7 @@ PLAIN_COMMENTS = [re.compile(pattern) for pattern in (
     r"packing\.(sizes|kind|protocol|compression)|pulse|measured|goal|vary|total|fits) = .*",
     rf"(force|stiffness|calibration|false|missing|seed|candidates|contacts_ratio(_err)?|effective|factor_(low|high)|\w+_ratio|pairs|times|noise|change|grain|found(_err)?|stretch(_err)?) = {NUMBER}",
     r"(grains|carrying|n|zero_modes|rattler_modes|free_spins|rigid_motions|mechanisms|factors|solves|on_edge|degrees_of_freedom|products|"
-    r"modes|moments|vectors|planes|dof|packings|dimension|samples|failed|mode|tolerance|residual|orthogonality|damping|"
+    r"modes|moments|vectors|planes|dof|packings|dimension|samples|failed|mode|load_error|tolerance|residual|orthogonality|damping|"
     rf"amplitude|factor|threshold|homogeneity|half_share|vector_error|wall|Phi3s|mean_\w+|gamma_limit|alpha_limit|exponent(_err)?|packing\.friction|"
     rf"packing\.poisson|network\.threshold) = {NUMBER}",
     r"exponent = nan \(.*", r"(missing|loose|lacking) = \d+ samples .*", r"without_\w+ = \d+ \(.*", r"rattlers = \d+, which .*",
@@ -135,6 +136,7 @@ def commands():
             "sensitivity P.h5 --of F --at 60 --by pressure", "sensitivity P.h5 --of C22", "sensitivity P.h5 --of omega:100",
             "statics P.h5 S.h5", "moduli P.h5", "moduli S.h5", "moduli P.h5 --probe sine:1 --probe lines:1", "moduli P.h5 --strain 1e-6",
             "modes P.h5", "modes P.h5 --band 0.1:0.2", "modes S.h5 --lowest 3", "modes P.h5 --damping 0.1 ", "modes P.h5 --damping gamma:0.02:0.01", "signal P.h5 --damping mass:0.1 --until 60 --points 30",
+            "modes P.h5 --prestress", "respond P.h5 --push 30:y", "respond P.h5 --strain yy", "respond P.h5 --swell 30 --contacts",
             "modes P.h5 --stability --prestress", "modes P.h5 --frequencies-only", "signal P.h5", "signal S.h5 --planes 2",
             "signal P.h5 --detector part:0:4 --detector grain:5:shear --from part:1:5 --until 60", "signal K.h5 --points 50",
             "signal P.h5 --pulse gauss:2 --until 60 --points 30", "signal P.h5 --pulse ricker:0.5 --until 60 --points 30",

@@ -29,6 +29,8 @@ static const struct {
      "omega_max omega omega_error resolution zero_below ioffe_regel ioffe_regel_err band_low band_high packing.drag"},
     {"~E* / (rho d^2)", "skew balance"},
     {"=amplitude", "height_limit"},
+    {"1/(E* d)", "compliance"},
+    {"E* d^3", "work"},
     {"=width", "width_limit"},
     {"=width_peak", "width_peak_limit"},
     {"+E*", "packing.history"},

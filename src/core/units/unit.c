@@ -206,11 +206,18 @@ static double convert(double value, const powers *a, const powers *b, const sp_m
 }
 
 /* The units of tables in SI, one for each dimension that they have. */
-static const char *const si_units[] = {
-    "mm",      "us",      "m/s",        "rad/s",           "N",           "kPa",
-    "mg",      "1/mm",    "m/s^2",      "rad^2/s^2",       "N/m",         "N us",
-    "mg mm^2", "mg/mm^2", "1/sqrt(mg)", "1/(sqrt(mg) mm)", "mm sqrt(mg)", "N/(m sqrt(mg))",
-    "N s/m",   "m^2/s"};
+static const char *const si_units[] = {"mm",          "us",
+                                       "m/s",         "rad/s",
+                                       "N",           "kPa",
+                                       "mg",          "1/mm",
+                                       "m/s^2",       "rad^2/s^2",
+                                       "N/m",         "N us",
+                                       "mg mm^2",     "mg/mm^2",
+                                       "1/sqrt(mg)",  "1/(sqrt(mg) mm)",
+                                       "mm sqrt(mg)", "N/(m sqrt(mg))",
+                                       "N s/m",       "m^2/s",
+                                       "mm/N",        "1/N",
+                                       "N mm"};
 
 static const char *si_of(const powers *u) {
     powers si;
