@@ -303,7 +303,8 @@ const cli_syntax cmd_modes_syntax = {
         "Modes are sorted by omega; among the zero modes those of rattlers come first. The signal is F(t) = sum of ab "
         "sin(omega t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain "
         "in the mode and N the number of grains without rattlers. error is a bound for the error of omega. a, b and "
-        "participation of modes of equal frequencies are not definite. With --prestress and friction the table has all "
+        "participation of modes of equal frequencies are not definite. With --prestress and tangential forces at rest "
+        "the table has all "
         "motions exp(growth t) (cosine cos(omega t) + sine sin(omega t)), columns n, omega, growth, cosine, sine and "
         "error, the bound of |growth + i omega - exact|: a complex pair of omega^2 has two rows, which grow and decay "
         "(at most 6000 degrees of freedom). A packing that does not touch the bottom (top) "
@@ -409,6 +410,9 @@ static double expected_modes(const arguments *a, const sp_network_size *net) {
 }
 
 static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *err) {
+    if (file->network.carried && sp_network_dofs(&file->network) > SP_STABILITY_MAX)
+        return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom, must be at most %d for modes of a nonsymmetric K",
+                       (long long)sp_network_dofs(&file->network), SP_STABILITY_MAX);
     const arguments *a = user;
     const sp_network_size net = sp_network_size_of(&file->network, sp_packing_height(&file->packing));
     const sp_modes_options o = {

@@ -199,7 +199,8 @@ static bool may_stop(compression *c) {
         c->stopping = true;
         c->stop_begun = sp_clock_cpu();
     }
-    return pack_state_is_safe(&c->state) || sp_clock_cpu() - c->stop_begun > first_state_time;
+    return c->scene->pack.kind == SP_PACK_MINIMUM || pack_state_is_safe(&c->state) ||
+           sp_clock_cpu() - c->stop_begun > first_state_time;
 }
 
 /* What the cost model expects: the clock then corrects its pace. */

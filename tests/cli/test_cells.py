@@ -121,6 +121,7 @@ study = { want = ["statics", "moduli"]; samples = 3; };
     refused("packing.fraction", "study", scene, "--store", "minima", *sets("packing.fraction=0.9"))
     refused("packing.cell", "pack", scene, "-o", "no.h5", *sets("packing.pressure=1e-4", 'packing.cell="box"'))
     refused("packing.law.exponent", "pack", "-o", "no.h5", *sets("packing.law.exponent=1"))
+    refused("packing.law packing.law.exponent", "pack", "-o", "no.h5", *sets("packing.law={exponent=1.0;}"))
     refused("packing.law.exponant packing.law.exponent", "pack", "-o", "no.h5", *sets("packing.law.exponant=1"))
     run("study", scene, "--store", "minima")
     means = table("table", "statics", "--store", "minima")

@@ -104,6 +104,8 @@ modes("piston20.5.h5", ["--lowest", "7", "--threshold", "0.2"], 2)  # more rattl
 signals("piston20.5.h5", ["--set", "network.threshold=0.2", "--points", "30"], 2)
 moduli("piston20.5.h5", ["--threshold", "0.5", "--margin", "2"], 4)  # almost floppy
 moduli("box30.5.h5", ["--margin", "0.5"], 2)
+pack("smooth.h5", "grains=300", "width=10", "friction=0")
+moduli("smooth.h5", [], 2)  # moves sideways as a whole
 moduli("piston30.5.h5", ["--margin", "9"], 2)  # no bulk: no speeds
 
 
@@ -124,8 +126,9 @@ for words, status, reason in (
         (["modes", "piston20.5.h5", "--engine", "slepc", "--lowest", "3", "--zero"], 2, "--zero"),
         (["modes", "piston20.5.h5", "--engine", "slepc", "--lowest", "3", "-o", "m.tsv"], 2, "exists already"),
         (["modes", "m.tsv", "--engine", "slepc", "--lowest", "3"], 1, "m.tsv"),
-        (["moduli", "piston20.5.h5", "--engine", "petsc", "--probe", "sine:1"], 2, "--probe"),
-        (["moduli", "piston20.5.h5", "piston30.5.h5", "--engine", "petsc"], 2, "piston30.5.h5"),
+        (["moduli", "piston20.5.h5", "--engine", "petsc", "--probe", "sine:1"], 2, "not --probe"),
+        (["moduli", "piston20.5.h5", "piston30.5.h5", "--engine", "petsc"], 2, "there are 2"),
+        (["moduli", "nowhere.h5", "--engine", "petsc"], 1, "cannot read nowhere.h5"),
         (["moduli", "piston20.5.h5", "--engine", "petsc", "--threshold", "1"], 1, "is floppy"),
         (["signal", "piston20.5.h5", "--engine", "petsc", "--damping", "0.1"], 2, "--damping"),
         (["signal", "piston20.5.h5", "--engine", "petsc", "--set", "signal.method=verlet"], 2, "chebyshev"),

@@ -21,7 +21,13 @@ static void assert_refused(const sp_field *f, const char *value) {
         sp_scene_free(&s);
     else if (status != SP_EINVAL || strcmp(err.key, f->key) != 0)
         fail_msg("--set %s: key \"%s\", %s", override, err.key, err.text);
-    snprintf(text, sizeof text, "%.*s = { %s = %s; };", (int)strcspn(f->key, "."), f->key, sp_field_name(f), value);
+    const char *name = sp_field_name(f), *inner = strchr(name, '.');
+    const int group = (int)strcspn(f->key, ".");
+    if (inner)
+        snprintf(text, sizeof text, "%.*s = { %.*s = { %s = %s; }; };", group, f->key, (int)(inner - name), name,
+                 inner + 1, value);
+    else
+        snprintf(text, sizeof text, "%.*s = { %s = %s; };", group, f->key, name, value);
     err = (sp_error){0};
     if (sp_scene_parse(text, "s.cfg", 0, NULL, &s, &err) != SP_EINVAL || strcmp(err.key, f->key) != 0)
         fail_msg("%s: key \"%s\", %s", text, err.key, err.text);

@@ -86,6 +86,7 @@ TEST(test_fraction) {
         sp_pack_spec s = spec_of(dim, 1);
         double solid = 0, volume;
         sp_packing p;
+        s.pressure = sp_pack_spec_default().pressure;
         s.fraction = dim == 2 ? 0.9 : 0.72;
         s.width = 20;
         s.depth = dim == 3 ? 10 : 0;
@@ -97,6 +98,7 @@ TEST(test_fraction) {
         assert_close(solid / volume, s.fraction, 1e-12);
         if (dim == 3)
             assert_close(p.box[0], 2 * p.box[1], 1e-12);
+        assert_close(p.box[0], 20, 2); /* about the width */
         assert_true(p.pressure > 1e-4);
         check_law(&p, 1);
         sp_packing_free(&p);
@@ -161,6 +163,14 @@ TEST(test_refusals) {
     s.kind = SP_PACK_PISTON;
     assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.law.exponent");
     s.law_exponent = 1.5;
+    s.kind = SP_PACK_MINIMUM;
+    s.protocol = SP_PROTOCOL_QUICK;
+    assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.protocol");
+    s = spec_of(2, 1);
+    s.pressure = 1e-10;
+    assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.pressure");
+    s = spec_of(2, 1.5);
+    s.kind = SP_PACK_PISTON;
     s.fraction = 0.9;
     assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.fraction");
     s = spec_of(2, NAN);

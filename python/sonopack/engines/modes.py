@@ -122,15 +122,7 @@ class _Slices:
 def _known_zeros(net: Network) -> tuple[int, int]:
     """Motions without a force that the contacts tell: spheres that spin about the line through two contacts, and the
     packing that moves as a whole."""
-    rigid = 0
-    for axis in range(net.dim):
-        moved = np.zeros_like(net.mass)
-        moved[:, axis] = np.sqrt(net.mass[:, axis])
-        e, stretch = net.A.createVecRight(), net.S.createVecLeft()
-        e.setArray(net.local(moved))
-        net.S.mult(e, stretch)
-        rigid += bool(stretch.norm() <= 1e-9 * net.omega * e.norm())
-    return int((net.ends == 2).sum()) if net.turns == 3 else 0, rigid
+    return int((net.ends == 2).sum()) if net.turns == 3 else 0, len(net.rigid())
 
 
 def _end_of_lowest(s: _Slices, count: int, zeros: int) -> float:

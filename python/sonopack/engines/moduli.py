@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from .._command import Failed, number
+from .._command import Failed, number, usage
 from .._core import Floats
 from .._native import ffi, lib
 from .._table import Table
@@ -25,6 +25,8 @@ _WHOLE = {2: "C13 C23", 3: "C14 C15 C16 C24 C25 C26 C34 C35 C36 C45 C46 C56"}
 def parser() -> EngineParser:
     p = EngineParser("moduli", "petsc", "network")
     p.add_argument("--margin", metavar="D", type=number(0, 1e6), default=3)
+    for name in ("--probe", "--strain"):
+        p.add_argument(name)
     return p
 
 
@@ -34,6 +36,8 @@ def run(a: argparse.Namespace) -> int:
 
 
 def _compute(a: argparse.Namespace, net: Network) -> Table:
+    if a.probe or a.strain:
+        raise usage(f"--engine petsc: has the moduli of small homogeneous strains alone, not --{'probe' if a.probe else 'strain'}")
     c, error = _stiffness(net)
     up = net.dim - 1
     if not c[up, up] > error[up, up]:
@@ -113,6 +117,8 @@ def _solver(net: Network) -> Any:
         shifted.setOption(option, True)
     ksp = net.petsc.KSP().create(net.comm)
     ksp.setType("cg")
+    if still := net.rigid():  # A does not see them, and rounding would
+        net.A.setNullSpace(net.petsc.NullSpace().create(vectors=still, comm=net.comm))
     ksp.setOperators(net.A, shifted)
     ksp.setNormType(net.petsc.KSP.NormType.UNPRECONDITIONED)
     ksp.getPC().setType("cholesky")

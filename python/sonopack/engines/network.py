@@ -39,7 +39,7 @@ class EngineParser(Parser):
     def __init__(self, name: str, engine: str, groups: str) -> None:
         super().__init__(name, groups=groups, springs=True, usage=f"%(prog)s FILE.h5 --engine {engine} [OPTION...]")
         self.engine = engine
-        self.add_argument("file", metavar="FILE.h5")
+        self.add_argument("file", metavar="FILE.h5", nargs="+")
         self.add_argument("--engine", choices=(engine,))
 
     def error(self, message: str) -> NoReturn:
@@ -93,6 +93,9 @@ def _table(a: argparse.Namespace, petsc: Any, compute: Compute) -> tuple[Table, 
     scene = Scene.read(None, a.words.keys(a))
     a.struct = scene.resolved()  # parts of a struct do not keep it
     options = a.struct.network
+    if len(a.file) > 1:
+        raise usage(f"--engine {a.engine}: takes one packing, there are {len(a.file)}")
+    a.file = a.file[0]
     if options.prestress or options.sliding_free or options.tangential:
         raise usage(f"--engine {a.engine}: of the network only network.threshold may be given (no --prestress)")
     if a.threads > 1:
@@ -129,6 +132,8 @@ class Network:
         try:
             with h5py.File(path, "r") as file:
                 self._read(file, threshold)
+        except FileNotFoundError:
+            raise Failed(f"cannot read {path}: No such file or directory") from None
         except (KeyError, IndexError, TypeError, OSError, ValueError) as fault:
             raise Failed(f"{path}: must be a packing as HDF5: {str(fault).splitlines()[0]}") from None
         self.A = self.S.transposeMatMult(self.S)
@@ -249,6 +254,20 @@ class Network:
     def local(self, values: Floats) -> Floats:
         """This rank's part of an array over the degrees of freedom."""
         return values.ravel()[self.first:self.end]
+
+    def rigid(self) -> list[Any]:
+        """The motions of the packing as a whole that stretch nothing, of norm 1."""
+        found = []
+        for axis in range(self.dim):
+            moved = np.zeros_like(self.mass)
+            moved[:, axis] = np.sqrt(self.mass[:, axis])
+            e, stretch = self.A.createVecRight(), self.S.createVecLeft()
+            e.setArray(self.local(moved))
+            e.normalize()
+            self.S.mult(e, stretch)
+            if stretch.norm() <= 1e-9 * self.omega:
+                found.append(e)
+        return found
 
     def loads(self, stretch: Floats) -> Any:
         """S^T g: forces on the grains, over the roots of their masses."""

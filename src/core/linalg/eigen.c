@@ -164,6 +164,11 @@ void sp_project(int64_t n, int64_t count, const double *vectors, int columns, co
                 (int)n, 0, out, (int)count);
 }
 
+void sp_project_out(int64_t n, int64_t count, const double *vectors, double *column, double *work) {
+    sp_project(n, count, vectors, 1, column, work);
+    cblas_dgemv(CblasColMajor, CblasNoTrans, (int)n, (int)count, -1, vectors, (int)n, work, 1, 1, column, 1);
+}
+
 sp_status sp_orthogonality(int64_t n, int64_t count, const double *vectors, double *largest, sp_error *err) {
     const int64_t block = 64;
     double *product = sp_alloc((size_t)(block * count), sizeof *product), most = 0;

@@ -29,6 +29,8 @@ sp_status sp_tridiagonal_vectors(const sp_tridiagonal *t, int64_t count, double 
 
 /* out[c][v] = column c . vector v, with columns [columns][n] and vectors [count][n]. */
 void sp_project(int64_t n, int64_t count, const double *vectors, int columns, const double *column, double *out);
+/* Makes a column orthogonal to orthonormal vectors [count][n]. work: [count]. */
+void sp_project_out(int64_t n, int64_t count, const double *vectors, double *column, double *work);
 /* Largest |x . y - delta| over all pairs of vectors [count][n], delta = 1 for x with itself and 0 otherwise. */
 sp_status sp_orthogonality(int64_t n, int64_t count, const double *vectors, double *largest, sp_error *err);
 

@@ -260,6 +260,7 @@ sp_status sp_modes_sparse(const sp_network *net, const sp_modes_options *opt, co
     }
     z.solver = opt->solver == SP_SOLVER_AUTO ? SP_SOLVER_LANCZOS : opt->solver;
     z.threads = opt->threads > 1 ? opt->threads : 1;
+    z.divide = z.solver == SP_SOLVER_ARPACK ? NULL : sp_slicer_pieces; /* ARPACK runs once in a process */
     z.null_rows = range->zero || (range->lowest == 0 && range->from == 0);
     status = range->lowest > 0 ? lowest_table(&z, opt, range, out, err) : band_table(&z, opt, range, out, err);
     sp_slicer_free(&z);

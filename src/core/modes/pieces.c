@@ -4,7 +4,6 @@
 #include "linalg/eigen.h"
 #include "modes/slices.h"
 
-#include <cblas.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <string.h>
@@ -108,9 +107,7 @@ static void join(const division *d) {
         const int64_t below = edge < NEAR ? edge : NEAR;
         const double *known = z->vector + (z->front + edge - below) * n;
         for (int64_t row = edge; row < edge + NEAR && row < end; row++) {
-            double *x = z->vector + (z->front + row) * n;
-            sp_project(n, below, known, 1, x, overlap);
-            cblas_dgemv(CblasColMajor, CblasNoTrans, (int)n, (int)below, -1, known, (int)n, overlap, 1, 1, x, 1);
+            sp_project_out(n, below, known, z->vector + (z->front + row) * n, overlap);
         }
     }
 }

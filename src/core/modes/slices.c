@@ -293,9 +293,9 @@ static sp_status solve_between(slicer *z, slice_edge a, slice_edge b, int64_t st
 /* Many modes in pieces, if each piece can be counted. If not, z->found remains 0. */
 static sp_status solve_in_pieces(slicer *z, slice_edge a, slice_edge b, sp_error *err) {
     sp_error reason = {0};
-    if (z->threads == 0 || z->solver == SP_SOLVER_ARPACK || b.below - a.below <= SP_SLICER_PIECE)
+    if (!z->divide || b.below - a.below <= SP_SLICER_PIECE)
         return SP_OK;
-    const sp_status status = sp_slicer_pieces(z, a, b, &reason);
+    const sp_status status = z->divide(z, a, b, &reason);
     return status == SP_OK || status == SP_EREFUSED ? SP_OK : sp_fail(err, status, "%s", reason.text);
 }
 

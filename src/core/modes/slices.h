@@ -18,14 +18,20 @@ typedef struct slice_edge {
     int64_t below;
 } slice_edge;
 
-typedef struct slicer {
+typedef struct slicer slicer;
+/* Finds the modes between two edges, for which there is room, in pieces. SP_EREFUSED if those of a piece cannot be
+ * counted. */
+typedef sp_status sp_slicer_divide(slicer *z, slice_edge a, slice_edge b, sp_error *err);
+
+struct slicer {
     const sp_network *net;
-    bool vectors;           /* keep the eigenvectors */
-    sp_modes_solver solver; /* ARPACK, or block Lanczos */
-    int threads;            /* that share pieces of the spectrum; 0: there are no pieces */
-    double tolerance;       /* of the Lanczos residuals */
-    int64_t n;              /* length of a vector */
-    int64_t modes;          /* eigenvalues that are not those of null motions */
+    bool vectors;             /* keep the eigenvectors */
+    sp_modes_solver solver;   /* ARPACK, or block Lanczos */
+    int threads;              /* that share pieces of the spectrum */
+    sp_slicer_divide *divide; /* solves many modes in pieces; NULL: there are none */
+    double tolerance;         /* of the Lanczos residuals */
+    int64_t n;                /* length of a vector */
+    int64_t modes;            /* eigenvalues that are not those of null motions */
     sp_null_motions null;
     bool null_rows; /* keep the null motions in front of the list */
     double top;     /* upper bound of the spectrum of A */
@@ -37,7 +43,7 @@ typedef struct slicer {
     double *vector;        /* [front + capacity][n] */
     sp_lanczos_pairs last; /* pairs of the last slice */
     int64_t factors, solves;
-} slicer;
+};
 
 sp_status sp_slicer_make(const sp_network *net, bool vectors, slicer *out, sp_error *err);
 void sp_slicer_free(slicer *z);
@@ -67,10 +73,9 @@ sp_status sp_slicer_zeros(const slicer *z, int64_t *zeros, sp_error *err);
  * an edge above the last one, which proves that none is missing. */
 sp_status sp_slicer_lowest(slicer *z, int64_t count, slice_edge *end, sp_error *err);
 
-/* The modes between two edges in pieces of the spectrum, each with a slicer of its own, which z->threads threads share.
- * The pieces do not depend on the number of threads, and neither does the result. There is room for all of them.
- * SP_EREFUSED if the modes of a piece cannot be counted. */
+enum { SP_SLICER_PIECE = 512 }; /* modes of a piece at most: some slices, which cost more than its edges and analysis */
+/* A sp_slicer_divide: each piece has a slicer of its own, and z->threads threads share them. The pieces do not depend
+ * on the number of threads, and neither does the result. */
 sp_status sp_slicer_pieces(slicer *z, slice_edge a, slice_edge b, sp_error *err);
-enum { SP_SLICER_PIECE = 512 }; /* modes at most: some slices, which cost more than the edges and the analysis */
 
 #endif

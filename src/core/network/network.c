@@ -24,7 +24,7 @@ sp_status sp_network_need_symmetry(const sp_network *net, const char *what, sp_e
         err, SP_EREFUSED,
         "%s needs a symmetric stiffness: with prestress and friction it has an antisymmetric part (up to %.3g "
         "in omega^2, of %.3g); leave out the prestress, or take what does without: signals by chebyshev, "
-        "moduli, the verdict of stability",
+        "moduli, all modes, the verdict of stability",
         what, net->skew, net->omega_bound * net->omega_bound);
 }
 

@@ -49,6 +49,10 @@ void sp_cell_spec_resolve(sp_pack_spec *s) {
                                   : cbrt(solid_volume(s));
 }
 
+double sp_cell_spec_height(const sp_pack_spec *s) {
+    return solid_volume(s) / (s->width * (s->dim == 3 ? s->depth : 1));
+}
+
 sp_pack_spec sp_cell_spec_gas(const sp_pack_spec *s) {
     sp_pack_spec gas = *s;
     const double grow = pow((s->dim == 2 ? DISKS : SPHERES) / s->gas_fraction, 1.0 / s->dim);
@@ -96,7 +100,7 @@ static sp_status check_stress(const sp_pack_spec *given, sp_error *err) {
 
 static sp_status check_edges(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err) {
     const bool equal = given->width == usual.width;
-    const double least = 4 * s->diameter_max, up = solid_volume(s) / (s->width * (s->dim == 3 ? s->depth : 1));
+    const double least = 4 * s->diameter_max, up = sp_cell_spec_height(s);
     if (!equal && s->width < least)
         return sp_fail_key(err, SP_EINVAL, "packing.width",
                            " = %g: must be at least four of the largest diameters (%g)", s->width, least);

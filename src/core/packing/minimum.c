@@ -185,9 +185,9 @@ static void push(minimum *m, double dt, double turn) {
 }
 
 static bool at_rest(const minimum *m) {
-    const double p = m->fixed ? m->pressure : m->aim;
+    const double p = m->fixed ? m->pressure : m->aim, rounding = 1e-13 * pow(p, 1 - 1 / m->spec->law_exponent);
     const bool held = m->fixed || fabs(m->pressure / p - 1) < PRESSURE_OFF;
-    return held && m->residual <= fmin(m->spec->tolerance, 1e-6 * p);
+    return held && m->residual <= fmin(m->spec->tolerance, fmax(1e-6 * p, rounding));
 }
 
 static sp_status report(const minimum *m, sp_error *err) {
@@ -260,8 +260,8 @@ static sp_status start(minimum *m, sp_error *err) {
     double solid = 0;
     for (size_t i = 0; i < n; i++)
         solid += dim == 2 ? 3.14159265358979323846 * m->p.r[i] * m->p.r[i] : grain_mass(m->p.r[i]);
-    const double edges[] = {s->width, dim == 3 ? s->depth : s->width, s->width};
-    double shape = 1; /* the height is that of a cell of equal edges in which width and depth keep their ratio */
+    const double height = sp_cell_spec_height(s), edges[] = {s->width, dim == 3 ? s->depth : height, height};
+    double shape = 1;
     for (int a = 0; a < dim; a++)
         shape *= edges[a];
     const double scale = pow(solid / (s->fraction > 0 ? s->fraction : DENSE[dim]) / shape, 1.0 / dim);

@@ -159,10 +159,12 @@ static double heaviness(const sp_pack_spec *s) {
     return fmax(fmax(1, s->diameter_min), grain_mass(0.5 * s->diameter_max) / (10 * mean * mean));
 }
 
-/* Positions are rounded, and contact stiffnesses are about p^(1/3). A tolerance of 2e-15 was reached at p = 1e-4. */
+/* Positions are rounded, and contact stiffnesses are about p^(1/3), or p^(1 - 1/a). A tolerance of 2e-15 was reached at
+ * p = 1e-4. */
 static double least_tolerance(const sp_pack_spec *s) {
     const double area = s->dim == 3 ? s->width * s->depth : s->width;
-    return 1e-13 * cbrt(s->pressure) * fmax(1, fmax(s->width, s->grains / area) / 25);
+    const double stiffness = s->law_exponent == 1.5 ? cbrt(s->pressure) : pow(s->pressure, 1 - 1 / s->law_exponent);
+    return 1e-13 * stiffness * fmax(1, fmax(s->width, s->grains / area) / 25);
 }
 
 static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
@@ -282,7 +284,35 @@ static double own_step(const protocol *own, const sp_pack_spec *s) {
 /* A lag makes other packings of disks that differ by 0.1%: s1/s2 of a lattice at 1e-4 is 0.786, without it 0.907. */
 static double own_lag(const protocol *own, const sp_pack_spec *s) { return may_order(s) ? 0 : own->lag; }
 
-static sp_status check_minimum(const sp_pack_spec *s, sp_error *err) {
+/* Keys of a compression, which a minimum does without: they must not be given, or a sweep of one would make copies. */
+static sp_status check_idle(const sp_pack_spec *given, sp_error *err) {
+    const sp_pack_spec usual = sp_pack_spec_default();
+    const struct {
+        const char *key;
+        double value, usual;
+    } idle[] = {{"packing.protocol", given->protocol, usual.protocol},
+                {"packing.reference", given->reference, usual.reference},
+                {"packing.tangential", given->tangential, usual.tangential},
+                {"packing.gas_fraction", given->gas_fraction, usual.gas_fraction},
+                {"packing.strain_rate", given->strain_rate, usual.strain_rate},
+                {"packing.damping", given->damping, usual.damping},
+                {"packing.time_step", given->time_step, usual.time_step},
+                {"packing.drag", given->drag, usual.drag},
+                {"packing.piston_mass", given->piston_mass, usual.piston_mass},
+                {"packing.lag", given->lag, usual.lag},
+                {"packing.calm", given->calm, usual.calm},
+                {"packing.calm_damping", given->calm_damping, usual.calm_damping},
+                {"packing.viscous_limit", given->viscous_limit, usual.viscous_limit},
+                {"packing.pressure", given->fraction > 0 ? given->pressure : usual.pressure, usual.pressure}};
+    for (size_t k = 0; k < sizeof idle / sizeof *idle; k++)
+        if (idle[k].value != idle[k].usual)
+            return sp_fail_key(err, SP_EINVAL, idle[k].key,
+                               " = %g: must not be given for packing.kind = \"minimum\"%s, which does without",
+                               idle[k].value, given->fraction > 0 ? " at a packing.fraction" : "");
+    return SP_OK;
+}
+
+static sp_status check_minimum(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err) {
     if (s->cell != SP_CELL_PERIODIC)
         return sp_fail_key(err, SP_EINVAL, "packing.cell", ": must be \"periodic\" for packing.kind = \"minimum\"");
     if (s->friction != 0)
@@ -293,6 +323,12 @@ static sp_status check_minimum(const sp_pack_spec *s, sp_error *err) {
                            ": must be empty for packing.kind = \"minimum\"%s",
                            s->stress_count > 0 ? "" : " at a packing.fraction");
     sp_status status = check_scale(s, err);
+    if (status == SP_OK)
+        status = check_idle(given, err);
+    if (status == SP_OK && s->fraction == 0 && least_tolerance(s) > 1e-5 * s->pressure)
+        return sp_fail_key(err, SP_EINVAL, "packing.pressure",
+                           " = %g: is too small for packing.law.exponent = %g: its accelerations are below rounding",
+                           s->pressure, s->law_exponent);
     return status == SP_OK ? check_motion(s, err) : status;
 }
 
@@ -354,7 +390,7 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
                            " = %g: must be %g except for packing.kind = \"minimum\"",
                            s->fraction != 0 ? s->fraction : s->law_exponent, s->fraction != 0 ? 0 : 1.5);
     switch (s->kind) {
-    case SP_PACK_MINIMUM: return check_minimum(s, err);
+    case SP_PACK_MINIMUM: return check_minimum(given, s, err);
     case SP_PACK_CHAIN:
     case SP_PACK_TRIANGULAR: return check_ordered(s, err);
     case SP_PACK_PISTON: return check_piston(s, err);

@@ -48,7 +48,7 @@ void sp_sizes_limits(const sp_pack_spec *s, double *low, double *high) {
             *high = fmax(*high, s->diameters[i]);
         }
     } else if (*low == 0 && *high == 0) {
-        const bool ordered = s->kind != SP_PACK_PISTON;
+        const bool ordered = s->kind != SP_PACK_PISTON && s->kind != SP_PACK_MINIMUM;
         *low = ordered && s->sizes == SP_SIZES_UNIFORM ? 1.0 : 0.8;
         *high = ordered && s->sizes == SP_SIZES_UNIFORM ? 1.0 : 1.2;
         if (s->sizes == SP_SIZES_LOGNORMAL) {

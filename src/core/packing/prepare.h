@@ -15,6 +15,8 @@ void sp_stress_target(const sp_pack_spec *s, double target[6]);
 void sp_cell_spec_resolve(sp_pack_spec *s);
 /* s is `given`, resolved. For all cells: SP_EINVAL names what does not go with the cell. */
 sp_status sp_cell_spec_check(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err);
+/* About the edge along the up axis that belongs to the width and depth of a resolved spec. */
+double sp_cell_spec_height(const sp_pack_spec *s);
 sp_pack_spec sp_cell_spec_gas(const sp_pack_spec *s);
 
 /* Peak memory of making the packing of a resolved spec, beside what the program has anyway [byte]. */

@@ -193,6 +193,16 @@ const sp_key *sp_field_limits(const sp_field *f) {
 const sp_field *sp_field_nearest(const char *group, const char *name) {
     const sp_field *nearest = NULL;
     int least = 1000;
+    const bool inner = strchr(group, '.') != NULL;
+    for (int k = 0; k < SP_FIELDS; k++) { /* a group in a group has one key, which it is then */
+        const char *key = sp_fields[k].key, *dot = strrchr(key, '.');
+        const size_t length = strlen(group);
+        if (strchr(key, '.') == dot || strncmp(key, group, length) != 0 || key[length] != '.')
+            continue;
+        if (inner ||
+            ((size_t)(dot - key) == length + 1 + strlen(name) && strncmp(key + length + 1, name, strlen(name)) == 0))
+            return &sp_fields[k];
+    }
     for (int k = 0; k < SP_FIELDS; k++) {
         const sp_field *f = &sp_fields[k];
         /* a right name in the wrong group is nearer than any wrong name in the right group */
