@@ -410,10 +410,10 @@ static double expected_modes(const arguments *a, const sp_network_size *net) {
 }
 
 static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *err) {
-    if (file->network.carried && sp_network_dofs(&file->network) > SP_STABILITY_MAX)
+    const arguments *a = user;
+    if (file->network.carried && !a->stability && sp_network_dofs(&file->network) > SP_STABILITY_MAX)
         return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom, must be at most %d for modes of a nonsymmetric K",
                        (long long)sp_network_dofs(&file->network), SP_STABILITY_MAX);
-    const arguments *a = user;
     const sp_network_size net = sp_network_size_of(&file->network, sp_packing_height(&file->packing));
     const sp_modes_options o = {
         .vectors = !a->frequencies_only, .solver = (sp_modes_solver)a->solver, .threads = a->common.threads};
