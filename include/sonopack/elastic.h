@@ -107,7 +107,8 @@ typedef struct sp_load {
 /* Displacements of the grains between fixed walls, or in a fixed cell. Extension is positive, as in K. */
 typedef struct sp_response {
     int64_t n, springs; /* degrees of freedom; contacts of the network */
-    double *u;          /* [n] displacements, rotations as in the network */
+    double *u; /* [n] displacements, rotations as in the network; where the packing can move as a whole its centre of
+                  mass stays */
     double *fn,
         *ft;      /* [springs] change of the normal force, positive in compression; size of the change of the tangential
                      force. Of a strain with its affine part, of a dipole without the forces that are applied */

@@ -139,13 +139,17 @@ static void displacement_columns(const sp_network *net, cli_writer *w) {
                     a < net->dim ? "1/sqrt(rho d^3)" : "1/sqrt(rho d^5)", NULL);
 }
 
-static void displacement_comments(const cli_file *file, const sp_modes *m, int64_t row, cli_writer *w) {
+void cli_motion_comments(const cli_file *file, const char *motion, cli_writer *w) {
     const sp_network_options *made = &file->scene->network;
-    cli_comment(w, "motion = mode");
+    cli_comment(w, "motion = %s", motion);
     cli_comment(w, "packing = %016" PRIx64, sp_packing_hash(&file->packing));
     cli_value(w, "threshold", made->threshold);
     cli_comment(w, "prestress = %d", made->prestress);
     cli_comment(w, "sliding_free = %d", made->sliding_free);
+}
+
+static void displacement_comments(const cli_file *file, const sp_modes *m, int64_t row, cli_writer *w) {
+    cli_motion_comments(file, "mode", w);
     cli_comment(w, "mode = %lld", (long long)(m->first + row));
     cli_value(w, "omega", m->omega[row]);
     cli_value(w, "omega_error", m->error[row]);

@@ -3,12 +3,14 @@
 #include "cli/files.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct arguments {
     cli_common common;
-    int loads; /* how many were given */
+    int loads;     /* how many were given */
+    char load[64]; /* as it was given */
     sp_load_kind kind;
     int64_t at;  /* grain or contact of the packing */
     char axis;   /* of a force */
@@ -28,6 +30,7 @@ static sp_status read_push(void *user, const char *text, sp_error *err) {
     arguments *a = user;
     const char *colon = strchr(text, ':');
     char number[32] = "";
+    snprintf(a->load, sizeof a->load, "push %s", text);
     a->loads++;
     a->kind = SP_LOAD_FORCE;
     if (!colon || colon - text >= (long)sizeof number || axis_of(colon[1]) < 0 || colon[2])
@@ -39,6 +42,7 @@ static sp_status read_push(void *user, const char *text, sp_error *err) {
 
 static sp_status read_dipole(void *user, const char *text, sp_error *err) {
     arguments *a = user;
+    snprintf(a->load, sizeof a->load, "dipole %s", text);
     a->loads++;
     a->kind = SP_LOAD_DIPOLE;
     return cli_integer("--dipole", text, 0, INT32_MAX, &a->at, err);
@@ -46,6 +50,7 @@ static sp_status read_dipole(void *user, const char *text, sp_error *err) {
 
 static sp_status read_swell(void *user, const char *text, sp_error *err) {
     arguments *a = user;
+    snprintf(a->load, sizeof a->load, "swell %s", text);
     a->loads++;
     a->kind = SP_LOAD_SWELL;
     return cli_integer("--swell", text, 0, INT32_MAX, &a->at, err);
@@ -53,6 +58,7 @@ static sp_status read_swell(void *user, const char *text, sp_error *err) {
 
 static sp_status read_strain(void *user, const char *text, sp_error *err) {
     arguments *a = user;
+    snprintf(a->load, sizeof a->load, "strain %s", text);
     a->loads++;
     a->kind = SP_LOAD_STRAIN;
     for (int k = 0; k < 2; k++)
@@ -73,7 +79,8 @@ static const cli_option options[] = {
     {"push", "GRAIN:AXIS", "A force of 1 on a grain along x, y or z", .parse = read_push},
     {"dipole", "CONTACT", "Two forces of 1 that push the ends of a contact apart", .parse = read_dipole},
     {"swell", "GRAIN", "A grain whose radius grows by 1 of itself", .parse = read_swell},
-    {"strain", "AB", "An affine strain of 1: xx, yy, zz, xy, xz or yz", .parse = read_strain},
+    {"strain", "AB", "The affine displacement u_A = x_B: xx, yy, zz (extension), xy, xz or yz (shear)",
+     .parse = read_strain},
     {"contacts", NULL, "Print the changes of the forces of all contacts in place of displacements", CLI_FLAG,
      CLI_FIELD(contacts)},
     {0}};
@@ -193,6 +200,8 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     w->status = find_load(a, file, &load, w->err);
     CLI_THEN(w->status, sp_response_make(&file->network, &load, &r, w->err));
     cli_comment(w, "file = %s", file->path);
+    cli_comment(w, "load = %s", a->load);
+    cli_motion_comments(file, a->contacts ? "forces" : "response", w);
     cli_value(w, "pressure", file->packing.pressure);
     if (is_force(a))
         cli_value(w, "compliance", 2 * r.work);
@@ -206,7 +215,7 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
 }
 
 int cmd_respond(int argc, char **argv) {
-    static const cli_files command = {CLI_OF_NETWORK, .add = add_rows};
+    static const cli_files command = {CLI_OF_NETWORK, .tells_network = true, .add = add_rows};
     arguments a = {0};
     cli_parse(&cmd_respond_syntax, argc, argv, &a);
     return cli_run_files(&command, &a);

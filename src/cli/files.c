@@ -121,6 +121,17 @@ static sp_status do_files(const cli_files *command, void *arguments, const sp_sc
     return command->stop ? status : SP_OK;
 }
 
+/* What of the network is not as usual. */
+static void tell_network(const cli_files *command, const sp_network_options *made, cli_writer *w) {
+    const sp_network_options usual = sp_network_options_default();
+    if (command->contents != CLI_NETWORK || command->tells_network)
+        return;
+    if (made->prestress)
+        cli_comment(w, "prestress = 1");
+    if (made->threshold != usual.threshold)
+        cli_value(w, "threshold", made->threshold);
+}
+
 int cli_run_files(const cli_files *command, void *arguments) {
     cli_common *common = arguments;
     sp_scene scene = sp_scene_default();
@@ -138,6 +149,8 @@ int cli_run_files(const cli_files *command, void *arguments) {
     else if (command->begin)
         CLI_THEN(w.status, command->begin(arguments, &w));
     CLI_THEN(w.status, do_files(command, arguments, &scene, common->dry_run ? &plan : NULL, &w, &failed));
+    if (w.status == SP_OK && !common->dry_run)
+        tell_network(command, &scene.network, &w);
     if (common->dry_run)
         CLI_THEN(w.status, cli_plan_end(&plan));
     else if (command->end)

@@ -262,6 +262,8 @@ def responses():
                  ["--strain", "zz"], [], ["--swell", 1, "--dipole", 2], ["--dipole", -1]):
         refused(word[0] if len(word) == 2 else "--push --strain", "respond", N200, *word,
                 status=2 if word not in (["--push", "3:z"], ["--strain", "zz"]) else 1)
+    told = table("moduli", N200, "--prestress", "--threshold", "1e-3").notes
+    assert told["prestress"] == "1" and told["threshold"] == "0.001" and not {"prestress", "threshold"} & table("moduli", N200).notes.keys()
     rattler = next(k for k in range(200) if k not in rows)
     for word in (["--push", f"{rattler}:x"], ["--swell", 200], ["--dipole", 100000], ["--swell", 3, "--prestress"]):
         refused("", "respond", N200, *word, status=1)

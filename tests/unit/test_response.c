@@ -116,6 +116,7 @@ TEST(test_periodic_and_smooth) {
         for (int axis = 0; axis < 2; axis++) {
             sp_response r = response(&net, SP_LOAD_FORCE, 5, axis);
             check_balance(&net, &r, 5, axis, true);
+            assert_close(r.u[5 * net.dof + axis], 2 * r.work, 1e-8 * r.work);
             sp_response_free(&r);
         }
         check_strains(&net);

@@ -33,6 +33,7 @@ class Motion:
     omega_error: float = 0.0
     t: float = 0.0
     source: str = "impulse"
+    load: str = ""  # of a static response
     error: float = float("nan")
 
     def __post_init__(self) -> None:
@@ -207,18 +208,19 @@ def _of_table(one: Input, packing: Packing, is_mode: bool) -> Motion:
     if "motion" not in head or "packing" not in head:
         raise refuse(one.name, "no comments `motion' and `packing', must be a table of displacements")
     kind, own = "mode" if is_mode else "snapshot", f"{packing.hash:016x}"
-    if head["motion"] != kind:
+    response = is_mode and head["motion"] == "response"
+    if head["motion"] != kind and not response:
         raise refuse(one.name, f"motion = {head['motion']:.60}, must be {kind}")
     if head["packing"] != own:
         raise refuse(one.name, f"displacements of another packing, {head['packing']:.60}; must be {own}")
-    keys = ["threshold", "prestress", "sliding_free", *(("mode", "omega") if is_mode else ("t",))]
+    keys = ["threshold", "prestress", "sliding_free", *(() if response else ("mode", "omega") if is_mode else ("t",))]
     values = {key: _head_number(one, key) for key in keys}
-    if is_mode and not (0 <= values["mode"] < 1e15 and values["omega"] >= 0):
+    if is_mode and not response and not (0 <= values["mode"] < 1e15 and values["omega"] >= 0):
         raise refuse(one.name, f"mode = {values['mode']:g}, omega = {values['omega']:g}; must be 0 or more")
     network = packing.network(threshold=values["threshold"], prestress=values["prestress"] != 0,
                               sliding_free=values["sliding_free"] != 0)
     return Motion(network, _field(one, network), is_mode, int(values.get("mode", 0)), values.get("omega", 0.0),
-                  t=values.get("t", 0.0), source=head.get("source", ""))
+                  t=values.get("t", 0.0), source=head.get("source", ""), load=head.get("load", "") if response else "")
 
 
 def _head_number(one: Input, key: str) -> float:

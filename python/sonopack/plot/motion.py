@@ -91,6 +91,7 @@ def _draw_mode(motion: Motion, material: Material | None, ax: Any, part: float |
                     width=max(0.4, min(0.9, 0.1 * diameter * view.points)))
     factor, unit = to_si(FREQUENCY, material)
     title = rf"$n$ = {motion.number},  $\omega$ = {number(factor * motion.omega)} {unit_text(unit)}"
+    title = motion.load or title
     title += "" if part is None else f",  $t$ = {part:.2f} $T$"
     turning = [disc(LATER, "rotating counterclockwise"), disc(EARLIER, "clockwise")] if np.any(motion.turns) else []
     return finish(found, turning + _rattlers(net), title)

@@ -106,6 +106,20 @@ static double error_of(sp_equilibrium *e, const double *f, double scale, const d
     return (off + rounding) / load;
 }
 
+/* Of all solutions the one whose mass stays where it is, along axes along which the whole can move. */
+static void hold_mass(const sp_equilibrium *e, double *u) {
+    const sp_network *net = e->net;
+    for (int a = 0; a < e->loose; a++) {
+        double moved = 0, all = 0;
+        for (int64_t k = a; k < sp_network_dofs(net); k += net->dof) {
+            moved += net->mass[k] * u[k];
+            all += net->mass[k];
+        }
+        for (int64_t k = a; k < sp_network_dofs(net); k += net->dof)
+            u[k] -= moved / all;
+    }
+}
+
 static sp_status respond(sp_equilibrium *e, const sp_load *load, sp_response *r, sp_error *err) {
     const sp_network *net = e->net;
     const int64_t n = sp_network_dofs(net);
@@ -120,6 +134,7 @@ static sp_status respond(sp_equilibrium *e, const sp_load *load, sp_response *r,
     if (status == SP_OK && !(residual <= 1e-8 * sp_norm(n, f)) && residual > 1e-14 * scale)
         status = sp_equilibrium_refuse(e, "the response", sp_norm(n, f), f, r->u, err);
     if (status == SP_OK) {
+        hold_mass(e, r->u);
         r->work = 0.5 * sp_dot(n, f, r->u);
         r->error = error_of(e, f, scale, r->u, rest, size);
         find_forces(net, load, r);
