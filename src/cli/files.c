@@ -123,12 +123,12 @@ static sp_status do_files(const cli_files *command, void *arguments, const sp_sc
 
 /* What of the network is not as usual. */
 static void tell_network(const cli_files *command, const sp_network_options *made, cli_writer *w) {
-    const sp_network_options usual = sp_network_options_default();
+    const sp_network_options common = sp_network_options_default();
     if (command->contents != CLI_NETWORK || command->tells_network)
         return;
     if (made->prestress)
         cli_comment(w, "prestress = 1");
-    if (made->threshold != usual.threshold)
+    if (made->threshold != common.threshold)
         cli_value(w, "threshold", made->threshold);
 }
 

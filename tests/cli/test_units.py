@@ -40,7 +40,7 @@ PLAIN = re.compile(r"""file|contact|i|j|r[xyz]|fn|ft|probe|reason|verdict|branch
     F[0-3](_err)?|beta(_delta)?(_err)?|beta_field|ratio_err""".replace("\n    ", ""))
 NUMBER = r"[-+]?(?:\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf|nan)"
 PLAIN_COMMENTS = [re.compile(pattern) for pattern in (
-    r"(file|method|source|quantity|axis|detector|solver|spectrum|norm|direction|motion|packing|verdict|error_kind|material|prestress|sliding_free|"
+    r"(file|load|method|source|quantity|axis|detector|solver|spectrum|norm|direction|motion|packing|verdict|error_kind|material|prestress|sliding_free|"
     r"packing\.(sizes|kind|protocol|compression)|pulse|measured|goal|vary|total|fits) = .*",
     rf"(force|stiffness|calibration|false|missing|seed|candidates|contacts_ratio(_err)?|effective|factor_(low|high)|\w+_ratio|pairs|times|noise|change|grain|found(_err)?|stretch(_err)?) = {NUMBER}",
     r"(grains|carrying|n|zero_modes|rattler_modes|free_spins|rigid_motions|mechanisms|factors|solves|on_edge|degrees_of_freedom|products|"
