@@ -178,7 +178,7 @@ static sp_status front_table(const arguments *a, const units *u, cli_writer *w) 
     const sp_chain_limit limit = sp_chain_limit_of((sp_chain_source)a->initial);
     double length[LENGTHS_MAX], work = 0;
     int32_t count = 0;
-    w->status = read_lengths(a->grains ? a->grains : "10:1000000:2", &count, length, w->err);
+    CLI_THEN(w->status, read_lengths(a->grains ? a->grains : "10:1000000:2", &count, length, w->err));
     CLI_THEN(w->status, check_lengths(count, length, w->err));
     for (int k = 0; k < count && w->status == SP_OK; k++)
         work += 3 * 48.0 * length[k];
@@ -190,12 +190,12 @@ static sp_status front_table(const arguments *a, const units *u, cli_writer *w) 
                 u->force_name, "width", u->time_name, "width_peak", u->time_name, "gamma", "", "alpha", "",
                 "alpha_peak", "", NULL);
     for (int k = 0; k < count && w->status == SP_OK; k++)
-        w->status = front_row(a, u, (int64_t)length[k], w->table, w->err);
+        CLI_THEN(w->status, front_row(a, u, (int64_t)length[k], w->table, w->err));
     return w->status;
 }
 
 static sp_status one_length(const arguments *a, int64_t most, int64_t *grains, cli_writer *w) {
-    w->status = cli_integer("--grains", a->grains, 1, most, grains, w->err);
+    CLI_THEN(w->status, cli_integer("--grains", a->grains, 1, most, grains, w->err));
     cli_comment(w, "grains = %lld", (long long)*grains);
     return w->status;
 }
@@ -209,7 +209,7 @@ static sp_status signal_rows(const arguments *a, const units *u, const sp_chain 
     double *f = time + n, *airy = f + n;
     for (size_t l = 0; l < n; l++)
         time[l] = from + (until - from) * ((double)l / (double)(n - 1));
-    w->status = sp_chain_walls_signal(chain, a->points, time, f, w->err);
+    CLI_THEN(w->status, sp_chain_walls_signal(chain, a->points, time, f, w->err));
     CLI_THEN(w->status, sp_chain_airy(chain->grains, chain->source, a->points, time, airy, w->err));
     for (size_t l = 0; l < n && w->status == SP_OK; l++)
         cli_row(w, time[l] * u->time, f[l] * u->force, airy[l] * u->force);
@@ -225,7 +225,7 @@ static sp_status signal_table(const arguments *a, const units *u, cli_writer *w)
                  until = isnan(a->until) ? 2 * ((double)chain.grains + 1) : a->until / u->time;
     if (!(until > from))
         return sp_fail(w->err, SP_EINVAL, "--start %g: must be below --until, %g", from * u->time, until * u->time);
-    w->status = refuse_work((double)a->points * 0.5 * (from + until), w->err);
+    CLI_THEN(w->status, refuse_work((double)a->points * 0.5 * (from + until), w->err));
     cli_value(w, "wall", a->wall);
     /* the last time has the largest; the rest is rounding of the units */
     cli_value(w, "error", (sp_chain_signal_error(&chain, until) + 1e-15) * u->force);
@@ -253,7 +253,7 @@ static sp_status modes_table(const arguments *a, cli_writer *w) {
 
 static void soliton_row(double peak, cli_writer *w) {
     sp_solitary s;
-    w->status = sp_solitary_make(peak, &s, w->err);
+    CLI_THEN(w->status, sp_solitary_make(peak, &s, w->err));
     cli_row(w, s.peak, s.force, s.speed, s.kdv, s.nesterenko, s.velocity, s.width, s.kdv_width, s.speed_at_peak,
             s.nesterenko_at_peak, s.velocity_at_peak, s.error);
 }
@@ -262,7 +262,7 @@ static sp_status soliton_table(const arguments *a, cli_writer *w) {
     const char *text = a->peaks ? a->peaks : "0.001,0.01,0.1,1,10,100,1000,inf";
     double peak[LENGTHS_MAX];
     int32_t n = 0;
-    w->status = cli_numbers("--peaks", text, 1e-4, INFINITY, LENGTHS_MAX, &n, peak, w->err);
+    CLI_THEN(w->status, cli_numbers("--peaks", text, 1e-4, INFINITY, LENGTHS_MAX, &n, peak, w->err));
     cli_comment(w, "relative_error: of speed, velocity and width, an estimate");
     cli_columns(w, SP_COLUMN_NUMBER, "peak", "", "force", "", "speed", "c", "kdv", "c", "nesterenko", "c", "velocity",
                 "c delta0/l", "width", "l", "kdv_width", "l", "speed_at_peak", "", "nesterenko_at_peak", "",
@@ -300,7 +300,7 @@ static sp_status localisation_table(const arguments *a, cli_writer *w) {
     int32_t n = 0;
     int64_t grains = 1000000;
     if (a->grains)
-        w->status = cli_integer("--grains", a->grains, 1000, RANDOM_MAX, &grains, w->err);
+        CLI_THEN(w->status, cli_integer("--grains", a->grains, 1000, RANDOM_MAX, &grains, w->err));
     CLI_THEN(w->status, cli_frequencies(a->at ? a->at : "0.1:1.9:19", LENGTHS_MAX, &n, omega, w->err));
     if (w->status != SP_OK)
         return w->status;
@@ -308,7 +308,7 @@ static sp_status localisation_table(const arguments *a, cli_writer *w) {
     if (!mass)
         return sp_fail_memory(w->err, (2 * (size_t)grains + 1) * sizeof *mass);
     double *spring = mass + grains;
-    w->status = sp_localisation_masses(grains, a->disorder, (uint64_t)a->seed, mass, w->err);
+    CLI_THEN(w->status, sp_localisation_masses(grains, a->disorder, (uint64_t)a->seed, mass, w->err));
     for (int64_t j = 0; j <= grains; j++)
         spring[j] = 1;
     cli_comment(w, "grains = %lld", (long long)grains);
