@@ -1,9 +1,8 @@
 /* sonopack modes: prints eigenfrequencies and eigenmodes of a packing, all of them or a part. */
 #include "base/base.h"
 #include "cli/excitation.h"
-#include "cli/files.h"
+#include "cli/motion.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <sonopack/modes.h>
 #include <sonopack/study/modes_file.h>
@@ -62,8 +61,7 @@ static sp_status damped(const arguments *a, const cli_file *file, cli_writer *w)
     return w->status;
 }
 
-/* ---- prestress with friction: modes that may grow ------------------------------------------------------------------
- */
+/* ---- prestress with friction: modes that may grow --------------------------------------------------------------- */
 
 static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w) {
     const bool signals = !a->frequencies_only;
@@ -128,26 +126,6 @@ static sp_status stability(const cli_file *file, cli_writer *w) {
 
 /* ---- --vectors: of all modes as a file, or the displacements of one as a table ----------------------------------- */
 
-static const char *const components[] = {"ux", "uy", "uz", "rx", "ry", "rz"};
-
-static void displacement_columns(const sp_network *net, cli_writer *w) {
-    cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
-    cli_place_columns(w, net->dim);
-    cli_columns(w, SP_COLUMN_NUMBER, "radius", "d", NULL);
-    for (int a = 0; a < net->dof; a++) /* in 2D the only rotation is about z */
-        cli_columns(w, SP_COLUMN_NUMBER, components[a >= net->dim && net->dim == 2 ? 5 : a],
-                    a < net->dim ? "1/sqrt(rho d^3)" : "1/sqrt(rho d^5)", NULL);
-}
-
-void cli_motion_comments(const cli_file *file, const char *motion, cli_writer *w) {
-    const sp_network_options *made = &file->scene->network;
-    cli_comment(w, "motion = %s", motion);
-    cli_comment(w, "packing = %016" PRIx64, sp_packing_hash(&file->packing));
-    cli_value(w, "threshold", made->threshold);
-    cli_comment(w, "prestress = %d", made->prestress);
-    cli_comment(w, "sliding_free = %d", made->sliding_free);
-}
-
 static void displacement_comments(const cli_file *file, const sp_modes *m, int64_t row, cli_writer *w) {
     cli_motion_comments(file, "mode", w);
     cli_comment(w, "mode = %lld", (long long)(m->first + row));
@@ -159,14 +137,11 @@ static void displacement_comments(const cli_file *file, const sp_modes *m, int64
 }
 
 static void displacement_rows(const sp_network *net, const double *e, cli_writer *w) {
+    double u[6];
     for (int32_t i = 0; i < net->n; i++) {
-        cli_put(w, net->grain[i]);
-        for (int a = 0; a < net->dim; a++)
-            cli_put(w, net->x[3 * (int64_t)i + a]);
-        cli_put(w, net->r[i]);
-        for (int64_t k = (int64_t)i * net->dof; k < (int64_t)(i + 1) * net->dof; k++)
-            cli_put(w, e[k] / sqrt(net->mass[k]));
-        cli_end_row(w);
+        for (int a = 0; a < net->dof; a++)
+            u[a] = e[(int64_t)i * net->dof + a] / sqrt(net->mass[(int64_t)i * net->dof + a]);
+        cli_motion_row(net, i, u, w);
     }
 }
 
@@ -181,7 +156,7 @@ static sp_status write_displacements(const arguments *a, const cli_file *file, c
     if (file->scene->network.tangential != SP_SPRINGS_CONSTANT)
         return sp_fail_key(err, SP_EREFUSED, "network.tangential",
                            ": must be \"constant\" for a table of displacements, which cannot say otherwise");
-    displacement_columns(&file->network, &w);
+    cli_motion_columns(&file->network, "1/sqrt(rho d^3)", "1/sqrt(rho d^5)", &w);
     displacement_comments(file, m, row, &w);
     displacement_rows(&file->network, m->vectors + (row - m->n_rattler) * m->dofs, &w);
     there.format_given = false;
@@ -308,11 +283,10 @@ const cli_syntax cmd_modes_syntax = {
         "sin(omega t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain "
         "in the mode and N the number of grains without rattlers. error is a bound for the error of omega. a, b and "
         "participation of modes of equal frequencies are not definite. With --prestress and tangential forces at rest "
-        "the table has all "
-        "motions exp(growth t) (cosine cos(omega t) + sine sin(omega t)), columns n, omega, growth, cosine, sine and "
-        "error, the bound of |growth + i omega - exact|: a complex pair of omega^2 has two rows, which grow and decay "
-        "(at most 6000 degrees of freedom). A packing that does not touch the bottom (top) "
-        "wall has no source (detector): a (b) is nan, and a comment says none. --set takes keys of the group network.\n"
+        "the table has all motions exp(growth t) (cosine cos(omega t) + sine sin(omega t)), columns n, omega, growth, "
+        "cosine, sine and error, the bound of |growth + i omega - exact|: a complex pair of omega^2 has two rows, "
+        "which grow and decay (at most 6000 degrees of freedom). A packing that does not touch the bottom (top) wall "
+        "has no source (detector): a (b) is nan, and a comment says none. --set takes keys of the group network.\n"
         "\n"
         "The comments count the zero modes of the packing, whichever modes are printed: zero_modes = rattler_modes + "
         "free_spins (a grain that turns alone, such as a sphere with two contacts) + rigid_motions (grains that hang "

@@ -1,10 +1,8 @@
 /* sonopack respond: prints the static response of a packing to a load, by grains or by contacts. */
 #include "base/base.h"
-#include "cli/files.h"
+#include "cli/motion.h"
 
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct arguments {
@@ -13,8 +11,7 @@ typedef struct arguments {
     char load[64]; /* as it was given */
     sp_load_kind kind;
     int64_t at;  /* grain or contact of the packing */
-    char axis;   /* of a force */
-    int pair[2]; /* axes of a strain */
+    int axis[2]; /* of a strain; both are that of a force */
     bool contacts;
 } arguments;
 
@@ -26,44 +23,43 @@ static int axis_of(char letter) {
     return found ? (int)(found - axes) : -1;
 }
 
+/* A load as it is given, such as "swell 3". */
+static void take(arguments *a, sp_load_kind kind, const char *word, const char *text) {
+    snprintf(a->load, sizeof a->load, "%s %s", word, text);
+    a->loads++;
+    a->kind = kind;
+}
+
 static sp_status read_push(void *user, const char *text, sp_error *err) {
     arguments *a = user;
     const char *colon = strchr(text, ':');
     char number[32] = "";
-    snprintf(a->load, sizeof a->load, "push %s", text);
-    a->loads++;
-    a->kind = SP_LOAD_FORCE;
+    take(a, SP_LOAD_FORCE, "push", text);
     if (!colon || colon - text >= (long)sizeof number || axis_of(colon[1]) < 0 || colon[2])
         return sp_fail(err, SP_EINVAL, "--push %.60s: must be GRAIN:x, GRAIN:y or GRAIN:z", text);
     memcpy(number, text, (size_t)(colon - text));
-    a->axis = colon[1];
+    a->axis[0] = a->axis[1] = axis_of(colon[1]);
     return cli_integer("--push", number, 0, INT32_MAX, &a->at, err);
 }
 
 static sp_status read_dipole(void *user, const char *text, sp_error *err) {
     arguments *a = user;
-    snprintf(a->load, sizeof a->load, "dipole %s", text);
-    a->loads++;
-    a->kind = SP_LOAD_DIPOLE;
+    take(a, SP_LOAD_DIPOLE, "dipole", text);
     return cli_integer("--dipole", text, 0, INT32_MAX, &a->at, err);
 }
 
 static sp_status read_swell(void *user, const char *text, sp_error *err) {
     arguments *a = user;
-    snprintf(a->load, sizeof a->load, "swell %s", text);
-    a->loads++;
-    a->kind = SP_LOAD_SWELL;
+    take(a, SP_LOAD_SWELL, "swell", text);
     return cli_integer("--swell", text, 0, INT32_MAX, &a->at, err);
 }
 
 static sp_status read_strain(void *user, const char *text, sp_error *err) {
     arguments *a = user;
-    snprintf(a->load, sizeof a->load, "strain %s", text);
-    a->loads++;
-    a->kind = SP_LOAD_STRAIN;
+    take(a, SP_LOAD_STRAIN, "strain", text);
     for (int k = 0; k < 2; k++)
-        a->pair[k] = axis_of(text[0] ? text[k] : '\0');
-    if (a->pair[0] < 0 || a->pair[1] < a->pair[0] || text[2])
+        a->axis[k] = axis_of(text[0] ? text[k] : '\0');
+    if (a->axis[0] < 0 || a->axis[1] < a->axis[0] || text[2])
         return sp_fail(err, SP_EINVAL, "--strain %.60s: must be xx, yy, zz, xy, xz or yz", text);
     return SP_OK;
 }
@@ -100,10 +96,7 @@ const cli_syntax cmd_respond_syntax = {
         "compliance is the displacement of the load itself, work half of the load times the displacements; of a strain "
         "2 work/V is what the grains take off the affine modulus. Rattlers are left out. With friction --prestress is "
         "refused. --set takes keys of the group network.",
-    .file_name = "packing",
-    .files_min = 1,
-    .files_max = 1,
-    .finds_material = true,
+    CLI_ONE_PACKING,
     .options = options,
     .springs = true,
     .check = check};
@@ -131,16 +124,14 @@ static sp_status find_spring(const arguments *a, const cli_file *file, int32_t *
 }
 
 /* In the order of Voigt: 11, 22, 12, or 11, 22, 33, 23, 13, 12. */
-static int strain_of(int dim, const int pair[2]) {
-    if (pair[0] == pair[1])
-        return pair[0];
-    return dim == 2 ? 2 : 6 - pair[0] - pair[1];
+static int strain_of(int dim, const int axis[2]) {
+    if (axis[0] == axis[1])
+        return axis[0];
+    return dim == 2 ? 2 : 6 - axis[0] - axis[1];
 }
 
 static sp_status find_load(const arguments *a, const cli_file *file, sp_load *load, sp_error *err) {
-    const int dim = file->packing.dim, last = a->kind == SP_LOAD_STRAIN  ? a->pair[1]
-                                              : a->kind == SP_LOAD_FORCE ? axis_of(a->axis)
-                                                                         : 0;
+    const int dim = file->packing.dim, last = a->axis[1];
     *load = (sp_load){.kind = a->kind};
     if (dim == 1)
         return sp_fail(err, SP_EREFUSED, "is a chain: must have two or three dimensions");
@@ -151,7 +142,7 @@ static sp_status find_load(const arguments *a, const cli_file *file, sp_load *lo
     case SP_LOAD_FORCE: load->axis = last; return find_grain(a, &file->network, "--push", &load->at, err);
     case SP_LOAD_SWELL: return find_grain(a, &file->network, "--swell", &load->at, err);
     case SP_LOAD_DIPOLE: return find_spring(a, file, &load->at, err);
-    case SP_LOAD_STRAIN: load->axis = strain_of(dim, a->pair); break;
+    case SP_LOAD_STRAIN: load->axis = strain_of(dim, a->axis); break;
     }
     return SP_OK;
 }
@@ -161,26 +152,10 @@ static sp_status find_load(const arguments *a, const cli_file *file, sp_load *lo
 static bool is_force(const arguments *a) { return a->kind == SP_LOAD_FORCE || a->kind == SP_LOAD_DIPOLE; }
 
 static void grain_rows(const arguments *a, const sp_network *net, const sp_response *r, cli_writer *w) {
-    static const char *const names[] = {"ux", "uy", "uz", "rx", "ry", "rz"};
     const bool forced = is_force(a);
-    cli_columns(w, SP_COLUMN_INTEGER, "grain", "", NULL);
-    cli_place_columns(w, net->dim);
-    cli_columns(w, SP_COLUMN_NUMBER, "radius", "d", NULL);
-    for (int c = 0; c < net->dof; c++)
-        cli_columns(w, SP_COLUMN_NUMBER,
-                    names[c < net->dim    ? c
-                          : net->dim == 2 ? 5
-                                          : c],
-                    c < net->dim ? (forced ? "1/(E* d)" : "d") : (forced ? "1/(E* d^2)" : ""), NULL);
-    for (int32_t i = 0; i < net->n && w->status == SP_OK; i++) {
-        cli_put(w, net->grain[i]);
-        for (int c = 0; c < net->dim; c++)
-            cli_put(w, net->x[3 * (int64_t)i + c]);
-        cli_put(w, net->r[i]);
-        for (int c = 0; c < net->dof; c++)
-            cli_put(w, r->u[(int64_t)i * net->dof + c]);
-        cli_end_row(w);
-    }
+    cli_motion_columns(net, forced ? "1/(E* d)" : "d", forced ? "1/(E* d^2)" : "", w);
+    for (int32_t i = 0; i < net->n && w->status == SP_OK; i++)
+        cli_motion_row(net, i, r->u + (int64_t)i * net->dof, w);
 }
 
 static void contact_rows(const arguments *a, const sp_network *net, const sp_response *r, cli_writer *w) {

@@ -6,8 +6,7 @@
 
 #include <sonopack/cost.h>
 
-/* ---- --dry-run: a table of what a command would make, and what that would take
- * --------------------------------------- */
+/* ---- --dry-run: a table of what a command would make, and what that would take --------------------------------- */
 
 /* The row of the options of a command whose arguments begin with `common`. */
 #define CLI_DRY_RUN                                                                                                    \
@@ -71,9 +70,8 @@ typedef struct cli_files {
     sp_status (*end)(void *arguments, cli_writer *w); /* after the last file; may be NULL */
     /* With --dry-run, in place of the others: what one file would take; NULL: the command has no --dry-run. */
     sp_status (*plan)(void *arguments, const cli_file *file, cli_plan *plan, sp_error *err);
-    unsigned kernels; /* that cost the most: bits 1 << sp_kernel */
-    bool
-        tells_network; /* its comments have the options of the network; else those that are not the usual ones follow */
+    unsigned kernels;   /* that cost the most: bits 1 << sp_kernel */
+    bool tells_network; /* its comments have all options of the network; else the unusual ones follow */
 } cli_files;
 
 #define CLI_OF_NETWORK .groups = "network", .contents = CLI_NETWORK
@@ -86,8 +84,6 @@ int cli_run_files(const cli_files *command, void *arguments);
 void cli_warn_low_box(const cli_common *common, const sp_pack_spec *spec);
 void cli_warn_packing(const cli_common *common, const char *path, const sp_packing *p, const sp_network *net);
 /* Adds the numbers of zero modes as comments. */
-/* What a table of displacements of all grains says of its network, so that `sonopack plot mode' draws it. */
-void cli_motion_comments(const cli_file *file, const char *motion, cli_writer *w);
 void cli_zero_modes(cli_writer *w, const sp_zero_modes *z);
 
 /* Runs a command that prints one table and reads no packings. Returns the exit status. */

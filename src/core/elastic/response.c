@@ -7,7 +7,6 @@
 
 #include <math.h>
 #include <sonopack/elastic.h>
-#include <string.h>
 
 /* What a load does to a spring before the grains move: the stretch of its rows. */
 static void own_stretch(const sp_network *net, const sp_load *load, int32_t k, const sp_rows *rows, double *stretch) {
@@ -39,17 +38,22 @@ static double spring_loads(const sp_network *net, const sp_load *load, double *f
     return sqrt(squares);
 }
 
+static double mass_along(const sp_network *net, int axis) {
+    double all = 0;
+    for (int64_t k = axis; k < sp_network_dofs(net); k += net->dof)
+        all += net->mass[k];
+    return all;
+}
+
 /* Where the network as a whole can move, a force is balanced by the opposite one, spread over all masses. */
 static double unit_force(const sp_equilibrium *e, const sp_load *load, double *f) {
     const sp_network *net = e->net;
-    double all = 0;
     f[(int64_t)load->at * net->dof + load->axis] = 1;
     if (load->axis >= e->loose)
         return 1;
-    for (int32_t i = 0; i < net->n; i++)
-        all += net->mass[(int64_t)i * net->dof];
-    for (int32_t i = 0; i < net->n; i++)
-        f[(int64_t)i * net->dof + load->axis] -= net->mass[(int64_t)i * net->dof] / all;
+    const double all = mass_along(net, load->axis);
+    for (int64_t k = load->axis; k < sp_network_dofs(net); k += net->dof)
+        f[k] -= net->mass[k] / all;
     return 1;
 }
 
@@ -110,11 +114,10 @@ static double error_of(sp_equilibrium *e, const double *f, double scale, const d
 static void hold_mass(const sp_equilibrium *e, double *u) {
     const sp_network *net = e->net;
     for (int a = 0; a < e->loose; a++) {
-        double moved = 0, all = 0;
-        for (int64_t k = a; k < sp_network_dofs(net); k += net->dof) {
+        const double all = mass_along(net, a);
+        double moved = 0;
+        for (int64_t k = a; k < sp_network_dofs(net); k += net->dof)
             moved += net->mass[k] * u[k];
-            all += net->mass[k];
-        }
         for (int64_t k = a; k < sp_network_dofs(net); k += net->dof)
             u[k] -= moved / all;
     }

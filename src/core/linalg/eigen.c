@@ -165,7 +165,9 @@ void sp_project(int64_t n, int64_t count, const double *vectors, int columns, co
 }
 
 void sp_project_out(int64_t n, int64_t count, const double *vectors, double *column, double *work) {
-    sp_project(n, count, vectors, 1, column, work);
+    if (count == 0)
+        return;
+    cblas_dgemv(CblasColMajor, CblasTrans, (int)n, (int)count, 1, vectors, (int)n, column, 1, 0, work, 1);
     cblas_dgemv(CblasColMajor, CblasNoTrans, (int)n, (int)count, -1, vectors, (int)n, work, 1, 1, column, 1);
 }
 

@@ -56,14 +56,6 @@ static void project(lanczos *z, const double *q, int64_t count, double *w, doubl
             h[c * z->capacity + r] += z->overlap[c * count + r];
 }
 
-/* The same for one column, x. */
-static void project_one(lanczos *z, const double *q, int64_t count, double *x) {
-    if (count == 0)
-        return;
-    cblas_dgemv(CblasColMajor, CblasTrans, (int)z->n, (int)count, 1, q, (int)z->n, x, 1, 0, z->overlap, 1);
-    cblas_dgemv(CblasColMajor, CblasNoTrans, (int)z->n, (int)count, -1, q, (int)z->n, z->overlap, 1, 1, x, 1);
-}
-
 /* Faster than dnrm2, which guards against overflow; that cannot happen here. */
 static double norm(int64_t n, const double *x) { return sqrt(cblas_ddot((int)n, x, 1, x, 1)); }
 
@@ -123,9 +115,9 @@ static void orthonormalize_columns(lanczos *z, double *w, int64_t known, const d
             cblas_dscal((int)n, 1 / before, x, 1);
             double left = 0;
             for (int pass = 0; pass < PASSES_MAX; pass++) {
-                project_one(z, z->spec->locked, z->spec->locked_count, x);
-                project_one(z, z->basis, known, x);
-                project_one(z, w, c, x);
+                sp_project_out(n, z->spec->locked_count, z->spec->locked, x, z->overlap);
+                sp_project_out(n, known, z->basis, x, z->overlap);
+                sp_project_out(n, c, w, x, z->overlap);
                 left = norm(n, x);
                 if (!(left > 1e-10))
                     break;

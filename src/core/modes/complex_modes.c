@@ -2,7 +2,6 @@
  * complex: the motions of such a pair oscillate and grow, or oscillate and decay. */
 #include "base/base.h"
 #include "linalg/arrays.h"
-#include "linalg/discs.h"
 #include "modes/count.h"
 #include "modes/mode_table.h"
 
@@ -10,7 +9,6 @@
 #undef I
 #include <math.h>
 #include <sonopack/modes.h>
-#include <stdlib.h>
 
 typedef double complex number;
 
@@ -21,7 +19,8 @@ static number number_of(double re, double im) { return re + im * _Complex_I; }
 static sp_status find_reach(const sp_discs *d, double *reach, sp_error *err) {
     int64_t *owner = sp_alloc((size_t)d->n, sizeof *owner);
     double *sum = sp_alloc((size_t)d->n, sizeof *sum);
-    sp_status status = owner && sum ? sp_discs_connect(d, owner, err) : sp_fail_memory(err, (size_t)d->n * 16);
+    sp_status status = owner && sum ? sp_discs_connect(d, owner, err)
+                                    : sp_fail_memory(err, (size_t)d->n * (sizeof *owner + sizeof *sum));
     for (int64_t k = 0; k < d->n && status == SP_OK; k++)
         sum[owner[k]] += 2 * d->radius[k];
     for (int64_t k = 0; k < d->n && status == SP_OK; k++) {
@@ -87,48 +86,21 @@ static sp_status collect(const sp_network *net, const sp_discs *d, sp_source sou
     return status;
 }
 
-typedef struct ranked {
-    double omega, growth, error, cosine, sine;
-    int64_t at;
-} ranked;
-
-static int by_frequency(const void *a, const void *b) {
-    const ranked *x = a, *y = b;
-    if (x->omega != y->omega)
-        return x->omega < y->omega ? -1 : 1;
-    if (x->growth != y->growth)
-        return x->growth < y->growth ? -1 : 1;
-    return x->at < y->at ? -1 : x->at > y->at;
-}
-
-static sp_status sort_modes(sp_complex_modes *m, sp_error *err) {
-    ranked *rank = sp_alloc((size_t)m->n, sizeof *rank);
-    if (!rank)
-        return sp_fail_memory(err, (size_t)m->n * sizeof *rank);
-    for (int64_t k = 0; k < m->n; k++)
-        rank[k] = (ranked){m->omega[k], m->growth[k], m->error[k], m->cosine[k], m->sine[k], k};
-    qsort(rank + m->rattlers, (size_t)(m->n - m->rattlers), sizeof *rank, by_frequency);
-    for (int64_t k = 0; k < m->n; k++) {
-        const ranked *r = &rank[k];
-        m->omega[k] = r->omega, m->growth[k] = r->growth, m->error[k] = r->error;
-        m->cosine[k] = r->cosine, m->sine[k] = r->sine;
-    }
-    sp_free(rank);
-    return SP_OK;
+/* By omega and then growth; rattlers stay first. */
+static sp_status sort_modes(const sp_complex_modes *m, sp_error *err) {
+    const int64_t first = m->rattlers;
+    double *const columns[] = {m->omega + first,  m->growth + first, m->error + first,
+                               m->cosine + first, m->sine + first,   NULL};
+    return sp_arrays_sort(m->n - first, columns, err);
 }
 
 static sp_status find_discs(const sp_network *net, sp_source source, sp_discs *d, sp_error *err) {
     const size_t n = (size_t)sp_network_dofs(net);
-    sp_sparse a = {0};
     double *from = sp_alloc(n, sizeof *from), *to = sp_alloc(n, sizeof *to);
-    sp_status status = from && to ? sp_modes_walls(net, source, from, to, err) : sp_fail_memory(err, 2 * n * 8);
+    sp_status status =
+        from && to ? sp_modes_walls(net, source, from, to, err) : sp_fail_memory(err, 2 * n * sizeof *to);
     if (status == SP_OK)
-        status = sp_network_assemble_whole(net, &a, err);
-    if (status == SP_OK) {
-        sp_scale_by_masses(net, &a);
-        status = sp_discs_make(&a, from, to, d, err);
-    }
-    sp_sparse_free(&a);
+        status = sp_network_discs(net, from, to, d, err);
     sp_free(from);
     sp_free(to);
     return status;

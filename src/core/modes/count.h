@@ -1,7 +1,8 @@
 #ifndef SP_COUNT_H
 #define SP_COUNT_H
-/* Counts modes below a frequency without computing them. */
+/* Bounds of the spectrum without modes: counts below a frequency, and discs around all eigenvalues. */
 
+#include "linalg/discs.h"
 #include "linalg/ldl.h"
 
 typedef struct counter {
@@ -12,6 +13,10 @@ typedef struct counter {
 
 /* K becomes A = M^-1/2 K M^-1/2. */
 void sp_scale_by_masses(const sp_network *net, sp_sparse *k);
+
+/* Discs around the eigenvalues of A with all entries, as sp_discs_make has them. */
+sp_status sp_network_discs(const sp_network *net, const double *source, const double *detector, sp_discs *out,
+                           sp_error *err);
 
 sp_status sp_counter_make(const sp_network *net, counter *out, sp_error *err);
 void sp_counter_free(counter *c);

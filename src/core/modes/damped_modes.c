@@ -11,7 +11,6 @@
 #include <float.h>
 #include <math.h>
 #include <sonopack/modes.h>
-#include <stdlib.h>
 
 typedef double complex number;
 
@@ -139,40 +138,6 @@ static void refine_mode(const damped *d, int64_t k, sp_damped_modes *out) {
     out->residual = fmax(out->residual, sqrt(residual / size) / scale);
 }
 
-typedef struct ranked {
-    double omega, decay;
-    int64_t at;
-} ranked;
-
-static int by_frequency(const void *a, const void *b) {
-    const ranked *x = a, *y = b;
-    if (x->omega != y->omega)
-        return x->omega < y->omega ? -1 : 1;
-    if (x->decay != y->decay)
-        return x->decay < y->decay ? -1 : 1;
-    return x->at < y->at ? -1 : x->at > y->at;
-}
-
-static sp_status sort_modes(sp_damped_modes *m, sp_error *err) {
-    ranked *rank = sp_alloc((size_t)m->n, sizeof *rank);
-    double *copy = sp_alloc((size_t)m->n, sizeof *copy), *const all[] = {m->omega, m->decay, m->cosine, m->sine,
-                                                                         m->error};
-    const bool ok = rank && copy;
-    for (int64_t k = 0; k < m->n && ok; k++)
-        rank[k] = (ranked){m->omega[k], m->decay[k], k};
-    if (ok)
-        qsort(rank, (size_t)m->n, sizeof *rank, by_frequency);
-    for (size_t q = 0; q < sizeof all / sizeof *all && ok; q++) {
-        for (int64_t k = 0; k < m->n; k++)
-            copy[k] = all[q][rank[k].at];
-        for (int64_t k = 0; k < m->n; k++)
-            all[q][k] = copy[k];
-    }
-    sp_free(copy);
-    sp_free(rank);
-    return ok ? SP_OK : sp_fail_memory(err, (size_t)m->n * (sizeof *rank + sizeof *copy));
-}
-
 static sp_status collect(const damped *d, sp_damped_modes *out, sp_error *err) {
     const size_t n = 2 * (size_t)d->n;
     const sp_array arrays[] = {{&out->omega, n}, {&out->decay, n}, {&out->cosine, n},
@@ -184,7 +149,8 @@ static sp_status collect(const damped *d, sp_damped_modes *out, sp_error *err) {
     for (int64_t k = 0; k < 2 * d->n; k++)
         if (d->im[k] >= 0) /* one of each pair */
             refine_mode(d, k, out);
-    return sort_modes(out, err);
+    double *const columns[] = {out->omega, out->decay, out->cosine, out->sine, out->error, NULL};
+    return sp_arrays_sort(out->n, columns, err);
 }
 
 sp_status sp_damped_modes_make(const sp_network *net, double zeta, sp_source source, sp_damped_modes *out,

@@ -106,9 +106,8 @@ static void join(const division *d) {
         const int64_t edge = d->piece[k].a.below - d->start, end = d->piece[k].b.below - d->start;
         const int64_t below = edge < NEAR ? edge : NEAR;
         const double *known = z->vector + (z->front + edge - below) * n;
-        for (int64_t row = edge; row < edge + NEAR && row < end; row++) {
+        for (int64_t row = edge; row < edge + NEAR && row < end; row++)
             sp_project_out(n, below, known, z->vector + (z->front + row) * n, overlap);
-        }
     }
 }
 

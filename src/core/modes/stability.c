@@ -1,6 +1,5 @@
 /* Decides whether a network is stable, by discs around all eigenvalues or by counts of those of the symmetric part. */
 #include "base/base.h"
-#include "linalg/discs.h"
 #include "modes/count.h"
 #include "network/spins.h"
 
@@ -78,24 +77,20 @@ typedef struct part {
     double certain;       /* lower bound of the growth rate */
 } part;
 
-typedef struct disc {
-    double re, im, radius;
-} disc;
-
-static void add_disc(part *to, const disc *d) {
-    const double off = fabs(d->im);
+static void add_disc(part *to, const sp_discs *d, size_t k) {
+    const double re = d->re[k], im = d->im[k], radius = d->radius[k], off = fabs(im);
     if (to->discs == 0)
         *to = (part){.low = INFINITY, .high = -INFINITY, .nearest = INFINITY, .certain = INFINITY};
     to->discs++;
-    to->above += d->im > 0;
-    to->low = fmin(to->low, d->re - d->radius);
-    to->high = fmax(to->high, d->re + d->radius);
-    to->nearest = fmin(to->nearest, off - d->radius);
-    to->farthest = fmax(to->farthest, off + d->radius);
-    to->size = fmax(to->size, hypot(d->re, d->im) + d->radius);
+    to->above += im > 0;
+    to->low = fmin(to->low, re - radius);
+    to->high = fmax(to->high, re + radius);
+    to->nearest = fmin(to->nearest, off - radius);
+    to->farthest = fmax(to->farthest, off + radius);
+    to->size = fmax(to->size, hypot(re, im) + radius);
     /* growth increases with |im| and decreases with re */
-    to->growth = fmax(to->growth, growth_of(d->re - d->radius, off + d->radius));
-    to->certain = fmin(to->certain, growth_of(d->re + d->radius, fmax(0, off - d->radius)));
+    to->growth = fmax(to->growth, growth_of(re - radius, off + radius));
+    to->certain = fmin(to->certain, growth_of(re + radius, fmax(0, off - radius)));
 }
 
 /* Classifies a component. A single disc that touches the real axis contains a real eigenvalue: with a complex one it
@@ -156,7 +151,7 @@ static sp_status classify_discs(const sp_discs *all, const imbalance *r, sp_stab
     sp_status status = owner && parts ? sp_discs_connect(all, owner, err) : sp_fail_memory(err, n * sizeof *parts);
     s->error = 0;
     for (size_t k = 0; k < n && status == SP_OK; k++) {
-        add_disc(&parts[owner[k]], &(disc){all->re[k], all->im[k], all->radius[k]});
+        add_disc(&parts[owner[k]], all, k);
         s->error = fmax(s->error, all->radius[k]);
     }
     if (status == SP_OK) {
@@ -169,18 +164,12 @@ static sp_status classify_discs(const sp_discs *all, const imbalance *r, sp_stab
 }
 
 static sp_status by_discs(const sp_network *net, const imbalance *r, sp_stability *s, sp_error *err) {
-    sp_sparse a = {0};
     sp_discs d = {0};
-    sp_status status = sp_network_assemble_whole(net, &a, err);
-    if (status == SP_OK) {
-        sp_scale_by_masses(net, &a);
-        status = sp_discs_make(&a, NULL, NULL, &d, err);
-    }
+    sp_status status = sp_network_discs(net, NULL, NULL, &d, err);
     if (status == SP_OK)
         status = classify_discs(&d, r, s, err);
     s->dense = true;
     sp_discs_free(&d);
-    sp_sparse_free(&a);
     return status;
 }
 

@@ -17,8 +17,8 @@
 
 enum { LATENCY = 20, REPORT = 1024 };
 static const double GROW = 1.1, SHRINK = 0.5, TURN = 0.25, TURN_LESS = 0.99;
-static const double DENSE[] = {0, 1, 0.9,
-                               0.7}; /* fraction of a first, rough minimum where the pressure is given, by dimension */
+/* Fraction of a first, rough minimum where the pressure is given, by dimension. */
+static const double DENSE[] = {0, 1, 0.9, 0.7};
 static const int64_t STEPS_MOST = 20000000;
 static const double ROUGH = 1e-2;                      /* acceleration over the pressure in the first minimum */
 static const double PRESSURE_OFF = 1e-9, BARE = 1e-10; /* of the pressure; the pressure where no grains touch */
@@ -185,9 +185,10 @@ static void push(minimum *m, double dt, double turn) {
 }
 
 static bool at_rest(const minimum *m) {
-    const double p = m->fixed ? m->pressure : m->aim, rounding = 1e-13 * pow(p, 1 - 1 / m->spec->law_exponent);
-    const bool held = m->fixed || fabs(m->pressure / p - 1) < PRESSURE_OFF;
-    return held && m->residual <= fmin(m->spec->tolerance, fmax(1e-6 * p, rounding));
+    const double p = m->fixed ? m->pressure : m->aim;
+    if (m->residual > m->spec->tolerance || !(m->fixed || fabs(m->pressure / p - 1) < PRESSURE_OFF))
+        return false;
+    return m->residual <= fmax(1e-6 * p, sp_rounding_acceleration(p, m->spec->law_exponent));
 }
 
 static sp_status report(const minimum *m, sp_error *err) {
@@ -214,8 +215,8 @@ static sp_status descend(minimum *m, sp_error *err) {
         if (status != SP_OK)
             return status;
         find_forces(m);
-        if (m->fixed && m->residual <= ROUGH * m->pressure) /* only a cell whose grains are jammed adapts itself: one
-                                                               that springs open heats them, and they may order */
+        /* only a cell whose grains are jammed adapts itself: one that springs open heats them, and they may order */
+        if (m->fixed && m->residual <= ROUGH * m->pressure)
             m->fixed = m->spec->fraction > 0;
         if (m->spec->fraction > 0 && m->pressure < BARE)
             return sp_fail(err, SP_EFAILED,

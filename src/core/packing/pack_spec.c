@@ -159,12 +159,14 @@ static double heaviness(const sp_pack_spec *s) {
     return fmax(fmax(1, s->diameter_min), grain_mass(0.5 * s->diameter_max) / (10 * mean * mean));
 }
 
-/* Positions are rounded, and contact stiffnesses are about p^(1/3), or p^(1 - 1/a). A tolerance of 2e-15 was reached at
- * p = 1e-4. */
+double sp_rounding_acceleration(double pressure, double exponent) {
+    return 1e-13 * (exponent == 1.5 ? cbrt(pressure) : pow(pressure, 1 - 1 / exponent));
+}
+
+/* A tolerance of 2e-15 was reached at p = 1e-4. */
 static double least_tolerance(const sp_pack_spec *s) {
     const double area = s->dim == 3 ? s->width * s->depth : s->width;
-    const double stiffness = s->law_exponent == 1.5 ? cbrt(s->pressure) : pow(s->pressure, 1 - 1 / s->law_exponent);
-    return 1e-13 * stiffness * fmax(1, fmax(s->width, s->grains / area) / 25);
+    return sp_rounding_acceleration(s->pressure, s->law_exponent) * fmax(1, fmax(s->width, s->grains / area) / 25);
 }
 
 static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
@@ -385,10 +387,12 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
                            " = \"history\": must be \"constant\" in packing.dimension = %d, since the law of loading "
                            "history is for a force along one line",
                            s->dim);
-    if (s->kind != SP_PACK_MINIMUM && (s->fraction != 0 || s->law_exponent != 1.5))
-        return sp_fail_key(err, SP_EINVAL, s->fraction != 0 ? "packing.fraction" : "packing.law.exponent",
-                           " = %g: must be %g except for packing.kind = \"minimum\"",
-                           s->fraction != 0 ? s->fraction : s->law_exponent, s->fraction != 0 ? 0 : 1.5);
+    if (s->kind != SP_PACK_MINIMUM && s->fraction != 0)
+        return sp_fail_key(err, SP_EINVAL, "packing.fraction", " = %g: must be 0 except for packing.kind = \"minimum\"",
+                           s->fraction);
+    if (s->kind != SP_PACK_MINIMUM && s->law_exponent != 1.5)
+        return sp_fail_key(err, SP_EINVAL, "packing.law.exponent",
+                           " = %g: must be 1.5 except for packing.kind = \"minimum\"", s->law_exponent);
     switch (s->kind) {
     case SP_PACK_MINIMUM: return check_minimum(given, s, err);
     case SP_PACK_CHAIN:

@@ -19,6 +19,10 @@ sp_status sp_cell_spec_check(const sp_pack_spec *given, const sp_pack_spec *s, s
 double sp_cell_spec_height(const sp_pack_spec *s);
 sp_pack_spec sp_cell_spec_gas(const sp_pack_spec *s);
 
+/* Accelerations below this are rounding: positions are rounded, and contacts whose forces go as overlap^exponent have
+ * stiffnesses of about p^(1 - 1/exponent). */
+double sp_rounding_acceleration(double pressure, double exponent);
+
 /* Peak memory of making the packing of a resolved spec, beside what the program has anyway [byte]. */
 double sp_pack_memory(const sp_pack_spec *spec);
 

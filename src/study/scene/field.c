@@ -179,6 +179,13 @@ bool sp_field_in_group(const sp_field *f, const char *group) {
     return strncmp(f->key, group, length) == 0 && f->key[length] == '.';
 }
 
+const sp_field *sp_field_first(const char *group) {
+    for (int k = 0; k < SP_FIELDS; k++)
+        if (sp_field_in_group(&sp_fields[k], group))
+            return &sp_fields[k];
+    return NULL;
+}
+
 const sp_field *sp_field_find(const char *key) {
     for (int k = 0; k < SP_FIELDS; k++)
         if (strcmp(key, sp_fields[k].key) == 0)
@@ -193,16 +200,11 @@ const sp_key *sp_field_limits(const sp_field *f) {
 const sp_field *sp_field_nearest(const char *group, const char *name) {
     const sp_field *nearest = NULL;
     int least = 1000;
-    const bool inner = strchr(group, '.') != NULL;
-    for (int k = 0; k < SP_FIELDS; k++) { /* a group in a group has one key, which it is then */
-        const char *key = sp_fields[k].key, *dot = strrchr(key, '.');
-        const size_t length = strlen(group);
-        if (strchr(key, '.') == dot || strncmp(key, group, length) != 0 || key[length] != '.')
-            continue;
-        if (inner ||
-            ((size_t)(dot - key) == length + 1 + strlen(name) && strncmp(key + length + 1, name, strlen(name)) == 0))
-            return &sp_fields[k];
-    }
+    char inner[128];
+    snprintf(inner, sizeof inner, "%s.%s", group, name);
+    nearest = sp_field_first(strchr(group, '.') ? group : inner);
+    if (nearest) /* a group in a group has one key, which it is then */
+        return nearest;
     for (int k = 0; k < SP_FIELDS; k++) {
         const sp_field *f = &sp_fields[k];
         /* a right name in the wrong group is nearer than any wrong name in the right group */

@@ -49,7 +49,9 @@ extern const sp_field sp_fields[SP_FIELDS];
 extern const char *const sp_groups[SP_GROUPS];
 int sp_field_index(const sp_field *f);
 const char *sp_field_name(const sp_field *f); /* the key without its group */
+/* A group may be in a group, such as packing.law. */
 bool sp_field_in_group(const sp_field *f, const char *group);
+const sp_field *sp_field_first(const char *group); /* of a group; NULL: there is no such group */
 /* The field of a key "group.name"; NULL for an unknown key. */
 SP_SHARED const sp_field *sp_field_find(const char *key);
 /* The field whose key is most like an unknown one; NULL if none is similar. group may be "". */

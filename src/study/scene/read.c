@@ -88,7 +88,7 @@ static sp_status read_key(sp_reader *r, const char *group, const config_setting_
     snprintf(key, sizeof key, "%s.%s", group, name);
     const sp_field *f = sp_field_find(key);
     sp_status status = SP_OK;
-    if (!f && config_setting_is_group(setting) && strcmp(key, "packing.law") == 0) {
+    if (!f && config_setting_is_group(setting) && sp_field_first(key)) {
         for (int k = 0; k < config_setting_length(setting) && status == SP_OK; k++)
             status = read_key(r, key, config_setting_get_elem(setting, (unsigned)k));
         return status;
