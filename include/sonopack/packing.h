@@ -224,8 +224,11 @@ typedef enum sp_protocol {
  * docs/physics.md, Loading history); in 2D only. */
 typedef enum sp_tangential { SP_TANGENTIAL_CONSTANT = 0, SP_TANGENTIAL_HISTORY } sp_tangential;
 
+/* Components of the cell that a strain path leaves out. FIXED: they do not strain. STRESS: they hold their stress. */
+typedef enum sp_lateral { SP_LATERAL_FIXED = 0, SP_LATERAL_STRESS } sp_lateral;
+
 /* Everything that determines a packing. sp_pack_spec_default() fills in the defaults of docs/physics.md. Copies share
- * the arrays `diameters` and `history`; whoever allocated these keeps them until the last copy is unused. */
+ * the lists; whoever allocated these keeps them until the last copy is unused. */
 typedef struct sp_pack_spec {
     sp_pack_kind kind;
     sp_cell cell; /* what bounds the grains; not PISTON: for kinds PISTON (a gas) and FILE */
@@ -271,6 +274,13 @@ typedef struct sp_pack_spec {
                              compression positive [E*]; the cell takes the shape that holds it. NULL: the mean normal
                              stress is the pressure, and the cell keeps its shape */
     int32_t stress_count;
+    const double *strain; /* path of a cell without a piston after the last pressure: components as of stress */
+    int32_t strain_count;
+    const double *turns; /* multiples of `strain` to which the path goes in turn; NULL: 1 */
+    int32_t turn_count;
+    int32_t strain_steps; /* from 0 to 1 of the path, each of which ends at rest */
+    sp_lateral lateral;
+    int32_t stages; /* end after so many packings; 0: after all */
     double gravity; /* cell PISTON: acceleration against the up axis [E* / (rho d)] */
     sp_tangential tangential;
     double fraction;     /* SP_PACK_MINIMUM: area or volume fraction of the grains, overlaps counted twice; 0: the
@@ -286,6 +296,13 @@ SP_API sp_status sp_pack_spec_check(const sp_pack_spec *spec, sp_error *err);
 /* Returns the spec with all open values filled in: limits of the diameters (for a list: its extremes), depth,
  * tolerance, and the values set by the protocol. Resolving a spec twice changes nothing. */
 SP_API sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given);
+/* Number of packings that a run makes one after another: at each pressure of the history, at the pressure, and after
+ * each step of the path. */
+SP_API int32_t sp_pack_stages(const sp_pack_spec *spec);
+/* Pressure of a stage, 0 .. sp_pack_stages - 1 [E*]. */
+SP_API double sp_pack_stage_pressure(const sp_pack_spec *spec, int32_t stage);
+/* Where the path is at a stage, in multiples of its strain: 0 up to the pressure. */
+SP_API double sp_pack_stage_strain(const sp_pack_spec *spec, int32_t stage);
 /* Moment <d^k>, k >= 0, of the distribution of diameters (of a list: of its entries). This and the next two expect a
  * spec that is checked and resolved. */
 SP_API double sp_sizes_moment(const sp_pack_spec *spec, int k);
@@ -329,7 +346,7 @@ typedef struct sp_pack_hooks {
                           another spec. */
     size_t state_size;
     const sp_packing *from; /* initial packing of SP_PACK_FILE */
-    /* Called with the packing at each pressure of the history, index from 0; may be NULL. An error ends the run. */
+    /* Called with the packing of each stage but the last, index from 0; may be NULL. An error ends the run. */
     sp_status (*stage)(const sp_packing *packing, int32_t index, void *user, sp_error *err);
 } sp_pack_hooks;
 SP_API sp_status sp_packing_make_with(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out,

@@ -249,15 +249,20 @@ static sp_status stage_path(const char *path, int32_t index, char out[SP_PATH_MA
                          SP_PATH_MAX);
 }
 
-/* The scene that is saved with a stage has a history that ends there. */
+/* The scene that is saved with a stage has a history, or a path, that ends there. */
 static sp_status save_stage(const sp_packing *stage, int32_t index, void *user, sp_error *err) {
     compression *c = user;
     char path[SP_PATH_MAX];
     sp_scene scene = *c->scene;
     sp_packing p = *stage;
     p.material = scene.material;
-    scene.pack.pressure = stage->pressure;
-    scene.pack.history_count = index;
+    if (index < scene.pack.history_count) {
+        scene.pack.pressure = stage->pressure;
+        scene.pack.history_count = index;
+        scene.pack.strain_count = 0;
+    } else {
+        scene.pack.stages = index + 1;
+    }
     p.scene = sp_scene_text(&scene, "packing");
     if (!p.scene)
         return sp_fail_memory(err, 1024);
@@ -272,7 +277,7 @@ static sp_status may_write_stages(const compression *c, sp_error *err) {
     cli_common common = c->arguments->common;
     common.force = common.force || c->state.found;
     sp_status status = SP_OK;
-    for (int32_t k = 0; k < c->scene->pack.history_count && status == SP_OK; k++) {
+    for (int32_t k = 0; k < sp_pack_stages(&c->scene->pack) - 1 && status == SP_OK; k++) {
         char path[SP_PATH_MAX];
         status = stage_path(common.output, k, path, err);
         CLI_THEN(status, cli_may_write(&common, path, err));
@@ -280,22 +285,73 @@ static sp_status may_write_stages(const compression *c, sp_error *err) {
     return status;
 }
 
-static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_packing *p, sp_error *err) {
-    sp_table t = sp_table_none();
+/* Where a packing is on the path of strain, and its stress. */
+static void add_path(const sp_pack_spec *spec, const sp_packing *p, const sp_statics *statics, int32_t stage,
+                     cli_writer *w) {
+    const double stress[6] = {statics->s_xx, statics->s_yy, statics->s_zz, statics->s_yz, statics->s_xz, statics->s_xy};
+    cli_put(w, stage);
+    cli_put(w, sp_pack_stage_strain(spec, stage));
+    cli_put(w, sp_packing_volume(p));
+    for (int c = 0; c < 6; c++)
+        if (p->dim == 3 || c < 2 || c == 5)
+            cli_put(w, stress[c]);
+    cli_put(w, statics->mobilised);
+}
+
+static void add_summary(const sp_scene *scene, const sp_packing *p, int32_t stage, cli_writer *w) {
     sp_statics statics;
     int32_t rattlers = 0;
     const double threshold = scene->network.threshold;
+    CLI_THEN(w->status, sp_packing_rattlers(p, threshold, NULL, NULL, &rattlers, w->err));
+    CLI_THEN(w->status, sp_statics_make(p, threshold, 3, &statics, w->err));
+    if (w->status != SP_OK)
+        return;
+    cli_put(w, p->n);
+    cli_put(w, sp_packing_height(p));
+    cli_put(w, p->pressure);
+    cli_put(w, statics.zs);
+    cli_put(w, rattlers);
+    cli_put(w, p->residual);
+    cli_put(w, (double)p->steps);
+    cli_put(w, p->seconds);
+    if (scene->pack.strain_count > 0)
+        add_path(&scene->pack, p, &statics, stage, w);
+    cli_end_row(w);
+}
+
+static void summary_columns(const sp_scene *scene, cli_writer *w) {
+    static const char *const names[] = {"s_xx", "s_yy", "s_zz", "s_yz", "s_xz", "s_xy"};
+    cli_columns(w, SP_COLUMN_INTEGER, "grains", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "height", "d", "p", "E*", "z_star", "", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "rattlers", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "residual", "E* / (rho d)", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "steps", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "seconds", "s", NULL);
+    if (scene->pack.strain_count == 0)
+        return;
+    cli_columns(w, SP_COLUMN_INTEGER, "stage", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "strain", "", "volume", "d^3", NULL);
+    for (int c = 0; c < 6; c++)
+        if (scene->pack.dim == 3 || c < 2 || c == 5)
+            cli_columns(w, SP_COLUMN_NUMBER, names[c], "E*", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "mobilised", "", NULL);
+}
+
+/* A row of the packing, after those of the stages of a path, which may be of an earlier run. */
+static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_packing *p, sp_error *err) {
+    sp_table t = sp_table_none();
     cli_writer w = {.table = &t, .err = err};
-    w.status = sp_packing_rattlers(p, threshold, NULL, NULL, &rattlers, err);
-    CLI_THEN(w.status, sp_statics_make(p, threshold, 3, &statics, err));
-    cli_columns(&w, SP_COLUMN_INTEGER, "grains", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "height", "d", "p", "E*", "z_star", "", NULL);
-    cli_columns(&w, SP_COLUMN_INTEGER, "rattlers", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "residual", "E* / (rho d)", NULL);
-    cli_columns(&w, SP_COLUMN_INTEGER, "steps", "", NULL);
-    cli_columns(&w, SP_COLUMN_NUMBER, "seconds", "s", NULL);
-    CLI_THEN(w.status, sp_table_add_row(&t, err, (int64_t)p->n, sp_packing_height(p), p->pressure, statics.zs,
-                                        (int64_t)rattlers, p->residual, p->steps, p->seconds));
+    const int32_t last = sp_pack_stages(&scene->pack) - 1;
+    summary_columns(scene, &w);
+    for (int32_t k = 0; k < last && scene->pack.strain_count > 0 && w.status == SP_OK; k++) {
+        char path[SP_PATH_MAX];
+        sp_packing stage = sp_packing_none();
+        w.status = stage_path(a->common.output, k, path, err);
+        CLI_THEN(w.status, sp_packing_read(path, &stage, err));
+        CLI_THEN(w.status, (add_summary(scene, &stage, k, &w), w.status));
+        sp_packing_free(&stage);
+    }
+    CLI_THEN(w.status, (add_summary(scene, p, last, &w), w.status));
     CLI_THEN(w.status, cli_write_table_to(&a->common, NULL, &t, err));
     sp_table_free(&t);
     return w.status;
@@ -345,9 +401,10 @@ static sp_status plan(const arguments *a, const sp_scene *scene, sp_error *err) 
         cli_comment(&plan.w, "expected: height %.3g d, %.3g steps, %.3g contacts, %.3g rattlers", f.height, f.steps,
                     f.contacts, f.rattlers);
         cli_plan_add(&plan, "packing", 1, f.cost, bytes);
-        if (spec->history_count > 0)
-            cli_plan_add(&plan, "packings of the history", spec->history_count, (sp_cost){0},
-                         spec->history_count * bytes);
+        const int32_t before = sp_pack_stages(spec) - 1;
+        if (before > 0)
+            cli_plan_add(&plan, spec->strain_count > 0 ? "packings on the way" : "packings of the history", before,
+                         (sp_cost){0}, before * bytes);
         status = cli_plan_end(&plan);
     }
     cli_plan_free(&plan);

@@ -5,6 +5,7 @@ usage: test_cells.py COMMAND SOURCE_DIR
 """
 import pathlib
 
+import h5py
 import numpy as np
 
 from cells import OVERLAP, box_of_disks, lattice, write_packing
@@ -128,6 +129,25 @@ study = { want = ["statics", "moduli"]; samples = 3; };
     assert list(means["p"]) == [1e-4, 1e-3] and means["zs"][0] < means["zs"][1]
 
 
+def paths():
+    """A row and a packing for each step, also of a path that goes on after an interruption; each file holds its scene."""
+    words = ["pack", *sets("packing.path.strain=[0,0.004,0]", "packing.path.turns=[1,0.5]", "packing.path.lateral=stress",
+                           "packing.path.steps=2", grains=60, cell="periodic", seed=2)]
+    rows = table(*words, "-o", "path.h5")
+    assert list(rows["stage"]) == [0, 1, 2, 3] and list(rows["strain"]) == [0, 0.5, 1, 0.5]
+    assert np.allclose(rows["s_xx"], 1e-4, rtol=1e-5) and rows["s_yy"][2] > 1.02e-4 and np.all(np.abs(rows["s_xy"]) < 1e-10)
+    files = [f"path.stage{k}.h5" for k in (1, 2, 3)] + ["path.h5"]
+    assert np.allclose(table("statics", *files)["p"], (rows["s_xx"] + rows["s_yy"]) / 2, rtol=1e-9)
+    assert set(table("check", *files).words("ok")) == {"yes"}
+    with h5py.File("path.stage3.h5") as file:
+        scene = file["sonopack/scene"][()]
+    pathlib.Path("again.cfg").write_bytes(scene if isinstance(scene, bytes) else scene.encode())
+    run("pack", "again.cfg", "-o", "again.h5")
+    assert (table("statics", "again.h5")["p"] == table("statics", "path.stage3.h5")["p"]).all()
+    refused("packing.path.strain", "pack", "-o", "no.h5", *sets("packing.path.strain=[0,0.1,0]"))
+    refused("packing.path.steps", "pack", "-o", "no.h5", *sets("packing.path.strain=[0,0.1,0]", "packing.path.steps=2", cell="periodic"))
+
+
 def studies():
     """What needs walls is refused before any packing is made."""
     for cell, wants, status in (("periodic", "ctof scaling signal planes probes", 2), ("box", "probes", 2),
@@ -142,4 +162,4 @@ def studies():
             assert not pathlib.Path("store").exists(), (cell, want)
 
 
-main(packings, moduli, statics, modes, waves, signals, low_cells, minima, studies)
+main(packings, moduli, statics, modes, waves, signals, low_cells, minima, paths, studies)

@@ -140,6 +140,7 @@ static void text_reads_back_bit_for_bit(void **state) {
         s.pack.gravity *= s.pack.compression == SP_COMPRESSION_PISTON;
         s.pack.strain_rate = s.pack.fraction = 0; /* of other cells and kinds */
         s.pack.law_exponent = 1.5;
+        s.pack.strain_steps = s.pack.stages = 0; /* of paths */
         s.pack.protocol = draw(&random) % 2;
         s.pack.sizes = draw(&random) % 2;
         s.pack.reference = draw(&random) & 1;

@@ -132,6 +132,20 @@ TEST(every_start_goes_on) {
         s.stress_count = k == 0 ? 3 : 0;
         assert_resumes(k < 2 ? "periodic" : "box", &s, NULL);
     }
+    for (int k = 0; k < 2; k++) { /* states on the path and between its steps */
+        static const double strain[] = {0, 0.004, 0, 0, 0, 0.001}, turns[] = {1, 0.5};
+        sp_pack_spec s = small(2 + k);
+        s.cell = SP_CELL_PERIODIC;
+        s.grains = k ? 150 : 60;
+        s.width = sp_pack_spec_default().width;
+        s.strain = strain;
+        s.strain_count = k ? 6 : 3;
+        s.turns = turns;
+        s.turn_count = 2;
+        s.strain_steps = 2;
+        s.lateral = k ? SP_LATERAL_STRESS : SP_LATERAL_FIXED;
+        assert_resumes("path", &s, NULL);
+    }
     sp_pack_spec s = small(2);
     s.reference = true;
     s.grains = 30;

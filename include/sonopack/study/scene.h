@@ -54,6 +54,7 @@ typedef struct sp_scene {
     double *diameters;             /* owned by this scene; pack.diameters points to it. NULL: not owned */
     double *history;               /* likewise of pack.history */
     double *stress;                /* likewise of pack.stress */
+    double *strain, *turns;        /* likewise of pack.strain and pack.turns */
     sp_tapped_spec tapped;         /* the group column: the tapped column, which has nothing to do with packings */
     double *masses, *radii;        /* owned lists of the tapped column, likewise */
     char from[SP_FROM_MAX];        /* packing.file, relative to the current folder; "": none. The caller reads it */

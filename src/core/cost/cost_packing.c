@@ -162,8 +162,8 @@ static double all_steps(const sp_pack_spec *s, double height) {
     const double again = 0.35;
     sp_pack_spec stage = *s;
     double steps = 0;
-    for (int32_t k = 0; k <= s->history_count; k++) {
-        stage.pressure = k < s->history_count ? s->history[k] : s->pressure;
+    for (int32_t k = 0; k < sp_pack_stages(s); k++) {
+        stage.pressure = sp_pack_stage_pressure(s, k);
         steps += stage_steps(&stage, height) * (k > 0 || s->kind == SP_PACK_FILE ? again : 1);
     }
     return steps;
@@ -197,7 +197,7 @@ sp_packing_forecast sp_packing_expect(const sp_pack_spec *given, int threads, co
     }
     if (s.kind == SP_PACK_MINIMUM) { /* 500 to 8000 disks, 1000 to 4000 spheres: within a factor of 2 */
         const double grains = s.grains;
-        f.steps = (1 + s.history_count) * 14000 * pow(grains / 500, 0.5) * pressed(&s, -0.65 / s.law_exponent);
+        f.steps = sp_pack_stages(&s) * 14000 * pow(grains / 500, 0.5) * pressed(&s, -0.65 / s.law_exponent);
         f.cost.cpu = f.cost.wall = (s.dim == 2 ? 4e-8 : 1e-7) * grains * f.steps * machine->slower[SP_KERNEL_STEP];
         return f;
     }

@@ -23,12 +23,16 @@ static double solid_volume(const sp_pack_spec *s) {
 /* Of packing.stress. */
 static int components_of(int dim) { return dim == 2 ? 3 : 6; }
 
-void sp_stress_target(const sp_pack_spec *s, double target[6]) {
+void sp_tensor_fill(int dim, int32_t count, const double *list, double tensor[6]) {
     static const int plane[3] = {0, 1, 5}; /* xx, yy, xy */
+    for (int c = 0; c < count; c++)
+        tensor[dim == 2 ? plane[c] : c] = list[c];
+}
+
+void sp_stress_target(const sp_pack_spec *s, double target[6]) {
     for (int c = 0; c < 6; c++)
         target[c] = s->stress_count == 0 && c < s->dim ? s->pressure : 0;
-    for (int c = 0; c < s->stress_count; c++)
-        target[s->dim == 2 ? plane[c] : c] = s->stress[c];
+    sp_tensor_fill(s->dim, s->stress_count, s->stress, target);
 }
 
 static double mean_stress(const sp_pack_spec *s) {

@@ -37,7 +37,8 @@ typedef struct compression {
     double ramp_time;       /* time in which the pressure changes by a factor e between stages */
     double past;            /* length of the last step */
     int64_t steps, max_steps;
-    int32_t stage;   /* current stage, 0 .. history_count */
+    int32_t stage;   /* current stage, 0 .. sp_pack_stages - 1 */
+    double strained; /* where the cell is on the path of strain, in multiples of packing.path.strain */
     int rest_checks; /* consecutive checks that found equilibrium */
     compression_phase phase;
     double residual, wall_imbalance, lateral_imbalance;
@@ -55,8 +56,6 @@ typedef struct compression {
 sp_status sp_compression_start(compression *run, sp_error *err);
 void sp_compression_free(compression *run);
 
-/* Pressure of a stage. */
-double sp_compression_stage_pressure(const sp_pack_spec *spec, int32_t stage);
 /* Sets the pressure and tolerance of stage run->stage. */
 void sp_compression_set_stage(compression *run);
 /* Starts the homogeneous compression of the affine protocol, or continues it in a run that was saved meanwhile. */
@@ -80,8 +79,13 @@ sp_status sp_state_load(compression *run, sp_error *err);
 /* ---- cells without a piston: the cell shrinks around the gas at a small inertial number, and then follows the
  * difference between the stress in the grains and its target. ---- */
 
-/* Largest difference between the stress and its target: of the mean normal stress, or of all components. */
+/* Whether the strain is that of the stage. */
+bool sp_squeeze_strained(const compression *run);
+/* Largest difference between the stress and its target: of the mean normal stress, or of all components that are free.
+ */
 double sp_squeeze_imbalance(const compression *run);
+/* Mean normal stress. */
+double sp_squeeze_pressure(const compression *run);
 /* Whether the grains carry half of the pressure. */
 bool sp_squeeze_carried(const compression *run);
 /* SP_EFAILED if the cell flows under its stress without end. */

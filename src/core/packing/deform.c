@@ -48,18 +48,8 @@ static double stretch_all(dynamics *d, double dt) {
 double sp_deform_cell(dynamics *d, double dt) { return d->affine ? stretch_all(d, dt) : stretch_sides(d, dt); }
 
 void sp_deform_reduce(dynamics *d) {
-    double *tilt = d->tilt;
-    if (d->cell != SP_CELL_PERIODIC)
-        return;
-    if (d->dim == 3) {
-        const double steps = nearbyint(tilt[2] / d->period[1]);
-        tilt[2] -= steps * d->period[1];
-        tilt[1] -= steps * tilt[0];
-        tilt[1] -= d->period[0] * nearbyint(tilt[1] / d->period[0]);
-    }
-    tilt[0] -= d->period[0] * nearbyint(tilt[0] / d->period[0]);
-    if (d->dim == 3) /* the step above may have used a longer second vector */
-        tilt[1] -= d->period[0] * nearbyint(tilt[1] / d->period[0]);
+    if (d->cell == SP_CELL_PERIODIC)
+        sp_packing_untilt(d->dim, d->period, d->tilt);
 }
 
 void sp_deform_keep(dynamics *d) {

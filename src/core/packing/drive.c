@@ -14,6 +14,10 @@ static const double UNLOADED = 0.01;
 /* The cell comes this near to its stress, by the factor e, in no less than so many updates: elastic waves need the
  * time, and a faster cell would ring. */
 static const double UPDATES = 6;
+/* Inertial number along a path of strain. */
+static const double QUASISTATIC = 1e-3;
+/* Mean normal stress over the pressure below which a strained packing has come apart. */
+static const double APART = 1e-4;
 /* Shear strain after which a stress counts as one that the grains do not carry. */
 static const double MOST_FLOW = 0.5;
 
@@ -26,23 +30,38 @@ static void target_now(const compression *run, double target[6]) {
 
 static double mean(const dynamics *d, const double stress[6]) { return (stress[0] + stress[1] + stress[2]) / d->dim; }
 
+/* Whether the stage belongs to the path of strain. */
+static bool on_path(const compression *run) { return run->stage > run->whole->history_count; }
+
+bool sp_squeeze_strained(const compression *run) {
+    return !on_path(run) || run->strained == sp_pack_stage_strain(run->whole, run->stage);
+}
+
+/* Whether a component of the cell gives way to its stress. */
+static bool is_free(const compression *run, int c) {
+    const bool exists = c < 3 ? c < run->d.dim : run->d.cell == SP_CELL_PERIODIC && (run->d.dim == 3 || c == 5);
+    return exists && (!on_path(run) || sp_path_frees(run->whole, c));
+}
+
 double sp_squeeze_imbalance(const compression *run) {
     double stress[6], target[6], worst = 0;
     sp_dynamics_stress(&run->d, stress);
     target_now(run, target);
-    if (run->spec->stress_count == 0)
+    if (run->spec->stress_count == 0 && !on_path(run))
         return fabs(mean(&run->d, stress) - run->spec->pressure);
     for (int c = 0; c < 6; c++)
-        if (run->d.cell == SP_CELL_PERIODIC || c < 3)
+        if (is_free(run, c))
             worst = fmax(worst, fabs(stress[c] - target[c]));
     return worst;
 }
 
-bool sp_squeeze_carried(const compression *run) {
+double sp_squeeze_pressure(const compression *run) {
     double stress[6];
     sp_dynamics_stress(&run->d, stress);
-    return mean(&run->d, stress) > 0.5 * run->spec->pressure;
+    return mean(&run->d, stress);
 }
+
+bool sp_squeeze_carried(const compression *run) { return sp_squeeze_pressure(run) > 0.5 * run->spec->pressure; }
 
 double sp_squeeze_progress(const compression *run) {
     const sp_pack_spec *s = run->whole;
@@ -53,9 +72,14 @@ double sp_squeeze_progress(const compression *run) {
 }
 
 sp_status sp_squeeze_check(const compression *run, sp_error *err) {
+    double stress[6];
+    const double now = on_path(run) && sp_squeeze_strained(run) ? sp_squeeze_pressure(run) : run->spec->pressure;
+    if (now < APART * run->spec->pressure)
+        return sp_fail_key(err, SP_EFAILED, "packing.path.strain",
+                           ": at %.6g of it the packing has come apart: its mean normal stress is %.3g E*",
+                           run->strained, now);
     if (run->flow < MOST_FLOW || run->spec->stress_count == 0)
         return SP_OK;
-    double stress[6];
     sp_dynamics_stress(&run->d, stress);
     return sp_fail_key(
         err, SP_EFAILED, "packing.stress",
@@ -64,29 +88,55 @@ sp_status sp_squeeze_check(const compression *run, sp_error *err) {
         (long long)run->steps, run->flow, stress[0], stress[1], stress[2], stress[3], stress[4], stress[5]);
 }
 
+/* Strain rates along the path, and 0 from its end on. The last step is as short as it takes. */
+static void follow_path(compression *run, double dt) {
+    dynamics *d = &run->d;
+    const double to = sp_pack_stage_strain(run->whole, run->stage), left = to - run->strained;
+    double strain[6], largest = 0;
+    sp_path_strain(run->whole, strain);
+    for (int c = 0; c < 6; c++)
+        largest = fmax(largest, fabs(strain[c]));
+    const double most = dt * QUASISTATIC * sqrt(run->spec->pressure) / largest;
+    const double step = fabs(left) <= most ? left : copysign(most, left);
+    run->strained = step == left ? to : run->strained + step;
+    for (int a = 0; a < d->dim; a++)
+        if (strain[a] != 0)
+            d->strain_rate[a] = -step / dt * strain[a];
+    for (int k = 0; k < 3; k++) /* xy, xz, yz */
+        if (strain[5 - k] != 0)
+            d->shear_rate[k] = -step / dt * strain[5 - k];
+}
+
 /* Like a dashpot, which always dissipates energy: the cell gives way to the stress that exceeds the target. */
 static void squeeze(compression *run, double dt) {
     dynamics *d = &run->d;
-    const double p = d->pressure = run->spec->pressure; /* no ramp: the strain rate is small at any difference */
+    const double p = run->spec->pressure; /* no ramp: the strain rate is small at any difference */
     run->flow += dt * run->flow_rate;
+    if (on_path(run))
+        follow_path(run, dt);
     if (run->steps % LATERAL_STEPS != 0)
         return;
     double stress[6], target[6], excess[6];
     sp_dynamics_stress(d, stress);
     target_now(run, target);
+    d->pressure = on_path(run) ? fmax(mean(d, stress), APART * p) : p;
     double rate = fmin(INERTIAL * sqrt(p), p / (d->dim * compression_stiffness(p) * UPDATES * LATERAL_STEPS * dt));
     if (run->whole->strain_rate > 0 && mean(d, stress) < UNLOADED * p)
         rate = run->whole->strain_rate * sqrt(p);
     const double average = fmax(-1, fmin(1, mean(d, stress) / p - 1));
     for (int c = 0; c < 6; c++)
         excess[c] = fmax(-1, fmin(1, (stress[c] - target[c]) / p));
-    const bool tensor = run->spec->stress_count > 0 && run->phase != PHASE_FLIGHT;
+    const bool tensor = (run->spec->stress_count > 0 && run->phase != PHASE_FLIGHT) || on_path(run);
     run->flow_rate = 0;
     for (int a = 0; a < d->dim; a++) {
+        if (!is_free(run, a))
+            continue;
         d->strain_rate[a] = rate * (tensor ? excess[a] : average);
         run->flow_rate = fmax(run->flow_rate, fabs(d->strain_rate[a] - rate * average));
     }
-    for (int k = 0; k < 3 && tensor && d->cell == SP_CELL_PERIODIC; k++) { /* xy, xz, yz */
+    for (int k = 0; k < 3 && tensor; k++) { /* xy, xz, yz */
+        if (!is_free(run, 5 - k))
+            continue;
         d->shear_rate[k] = rate * excess[5 - k];
         run->flow_rate = fmax(run->flow_rate, fabs(d->shear_rate[k]));
     }
@@ -94,14 +144,10 @@ static void squeeze(compression *run, double dt) {
 
 /* ---- under a piston -------------------------------------------------------------------------------------------- */
 
-double sp_compression_stage_pressure(const sp_pack_spec *spec, int32_t stage) {
-    return stage < spec->history_count ? spec->history[stage] : spec->pressure;
-}
-
 void sp_compression_set_stage(compression *run) {
     const sp_pack_spec *whole = run->whole;
     run->now = *whole;
-    run->now.pressure = sp_compression_stage_pressure(whole, run->stage);
+    run->now.pressure = sp_pack_stage_pressure(whole, run->stage);
     run->now.tolerance = fmin(whole->tolerance * run->now.pressure / whole->pressure, fmax(1e-10, whole->tolerance));
     run->spec = &run->now;
 }
@@ -197,6 +243,8 @@ void sp_compression_drive(compression *run, double dt) {
 }
 
 bool sp_compression_pressed(const compression *run) {
+    if (run->d.cell != SP_CELL_PISTON)
+        return true;
     return run->d.pressure == run->spec->pressure && run->period_end[0] == 0 && run->period_end[1] == 0;
 }
 
@@ -204,7 +252,7 @@ bool sp_compression_driven(const compression *run) {
     if (!sp_compression_pressed(run))
         return false;
     if (run->d.cell != SP_CELL_PISTON)
-        return run->wall_imbalance < 0.05 * run->spec->pressure;
+        return sp_squeeze_strained(run) && run->wall_imbalance < 0.05 * run->spec->pressure;
     return run->spec->compression == SP_COMPRESSION_PISTON ||
            (run->lateral_free && run->lateral_imbalance < 0.05 * run->spec->pressure);
 }

@@ -70,6 +70,18 @@ void sp_packing_fractions(const sp_packing *p, const double x[3], double s[3]) {
     s[0] = (x[0] - p->tilt[0] * s[1] - p->tilt[1] * s[2]) / p->box[0];
 }
 
+void sp_packing_untilt(int dim, const double edge[2], double tilt[3]) {
+    if (dim == 3) {
+        const double steps = nearbyint(tilt[2] / edge[1]);
+        tilt[2] -= steps * edge[1];
+        tilt[1] -= steps * tilt[0];
+        tilt[1] -= edge[0] * nearbyint(tilt[1] / edge[0]);
+    }
+    tilt[0] -= edge[0] * nearbyint(tilt[0] / edge[0]);
+    if (dim == 3) /* the step above may have used a longer second vector */
+        tilt[1] -= edge[0] * nearbyint(tilt[1] / edge[0]);
+}
+
 void sp_packing_wrap(const sp_packing *p, double x[3]) {
     for (int a = p->dim - 1; a >= 0; a--) {
         double s[3];

@@ -10,6 +10,9 @@ void sp_packing_separation(const sp_packing *p, int32_t i, int32_t j, double d[3
 double sp_packing_wall_distance(const sp_packing *p, int32_t i, int32_t wall);
 /* Coordinates of a point in multiples of the lattice vectors: 0 .. 1 within the cell. */
 SP_SHARED void sp_packing_fractions(const sp_packing *p, const double x[3], double s[3]);
+/* Replaces the lattice vectors of a periodic cell by shorter ones of the same lattice: tilts within half of the edges
+ * along x and y. */
+void sp_packing_untilt(int dim, const double edge[2], double tilt[3]);
 /* Moves a point into the cell along the periodic axes: its fractions become 0 <= s < 1. */
 SP_SHARED void sp_packing_wrap(const sp_packing *p, double x[3]);
 /* Replaces a vector by its shortest image: adds lattice vectors along the periodic axes. Exact for vectors whose image

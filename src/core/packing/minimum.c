@@ -15,13 +15,18 @@
 #include <math.h>
 #include <string.h>
 
-enum { LATENCY = 20, REPORT = 1024 };
+enum { LATENCY = 20, REPORT = 1024, TENSOR = 6 };
 static const double GROW = 1.1, SHRINK = 0.5, TURN = 0.25, TURN_LESS = 0.99;
 /* Fraction of a first, rough minimum where the pressure is given, by dimension. */
 static const double DENSE[] = {0, 1, 0.9, 0.7};
 static const int64_t STEPS_MOST = 20000000;
 static const double ROUGH = 1e-2;                      /* acceleration over the pressure in the first minimum */
 static const double PRESSURE_OFF = 1e-9, BARE = 1e-10; /* of the pressure; the pressure where no grains touch */
+
+/* A homogeneous strain: x -> grow x + shear (xy, xz, yz), which keeps the form of the lattice vectors. */
+typedef struct cell_strain {
+    double grow[3], shear[3];
+} cell_strain;
 
 typedef struct pair {
     int32_t i, j;
@@ -38,19 +43,28 @@ typedef struct minimum {
     int64_t pairs, steps;
     double skin;
     double *memory, *v, *f, *stiff, *old; /* [n][3] velocities, forces, sum of stiffnesses [n], places of the list */
-    double grown;                         /* edges over those of the list */
-    double unit, v_cell, f_cell;          /* the cell's coordinate is unit times the logarithm of its edges */
-    double aim;                           /* pressure of this stage */
+    cell_strain carried;                  /* of the cell since the list was made */
+    double unit, v_cell[6], f_cell[6];    /* the cell's coordinates are unit times its strains, xx yy zz yz xz xy */
+    double aim, strained;                 /* pressure of this stage; where it is on the path of strain */
+    double stress[6], aims[6];            /* of the grains, and of this stage; compression positive */
     double pressure, residual, stiffest;
-    bool fixed; /* the cell keeps its size */
+    enum cell {
+        FIXED,
+        GROWS,
+        YIELDS
+    } cell,
+        wanted; /* keeps its shape; changes its size alone, by v_cell[0]; gives way
+                   to the stresses of free components. wanted: once it is jammed */
+    bool free[TENSOR];
 } minimum;
 
 /* n^a without pow where a is a multiple of 1/2, so that these packings are the same on all machines. */
 static double power(double x, double a) {
-    if (2 * a != floor(2 * a))
+    const int halves = (int)(2 * a);
+    if (2 * a != halves)
         return pow(x, a);
-    double product = fmod(a, 1) == 0 ? 1 : sqrt(x);
-    for (int k = 0; k < (int)a; k++)
+    double product = halves % 2 == 0 ? 1 : sqrt(x);
+    for (int k = 0; k < halves / 2; k++)
         product *= x;
     return product;
 }
@@ -79,27 +93,52 @@ static sp_status add_pair(int32_t i, int32_t j, void *user, sp_error *err) {
     pair *q = &m->pair[m->pairs++];
     *q = (pair){.i = i, .j = j, .e = strength(m, p->r[i], p->r[j]), .reach = reach};
     for (int k = 0; k < p->dim; k++)
-        q->shift[k] = (float)nearbyint((d[k] - (b[k] - a[k])) / p->box[k]);
+        d[k] -= b[k] - a[k];
+    for (int k = p->dim - 1; k >= 0; k--) {
+        q->shift[k] = (float)nearbyint(d[k] / p->box[k]);
+        d[0] -= k > 0 ? q->shift[k] * p->tilt[k - 1] : 0;
+        d[1] -= k > 1 ? q->shift[k] * p->tilt[2] : 0;
+    }
     return SP_OK;
 }
 
 static sp_status list_pairs(minimum *m, sp_error *err) {
+    sp_packing_untilt(m->p.dim, m->p.box, m->p.tilt);
     for (int32_t i = 0; i < m->p.n; i++)
         sp_packing_wrap(&m->p, m->p.x + 3 * (size_t)i);
     memcpy(m->old, m->p.x, 3 * (size_t)m->p.n * sizeof *m->old);
     m->pairs = 0;
-    m->grown = 1;
+    m->carried = (cell_strain){.grow = {1, 1, 1}};
     return sp_packing_sweep(&m->p, m->skin, add_pair, m, err);
+}
+
+static void carry(const cell_strain *s, const double x[3], double to[3]) {
+    to[0] = s->grow[0] * x[0] + (s->shear[0] * x[1] + s->shear[1] * x[2]);
+    to[1] = s->grow[1] * x[1] + s->shear[2] * x[2];
+    to[2] = s->grow[2] * x[2];
+}
+
+/* Strains lattice vectors (edge 0, 0, 0), (tilt 0, edge 1, 0), (tilt 1, tilt 2, edge 2), or another strain. */
+static void strain(const cell_strain *s, double edge[3], double tilt[3]) {
+    tilt[0] = s->grow[0] * tilt[0] + s->shear[0] * edge[1];
+    tilt[1] = s->grow[0] * tilt[1] + s->shear[0] * tilt[2] + s->shear[1] * edge[2];
+    tilt[2] = s->grow[1] * tilt[2] + s->shear[2] * edge[2];
+    for (int a = 0; a < 3; a++)
+        edge[a] *= s->grow[a];
 }
 
 /* Whether two grains may have come nearer than the list knows: by their own motion, or with the cell. */
 static bool is_old(const minimum *m) {
-    const double shrunk = fmax(0, 1 - m->grown) * (2 * m->spec->diameter_max + m->skin);
-    const double most = 0.5 * (m->skin - shrunk);
+    const double *grow = m->carried.grow, *shear = m->carried.shear;
+    const double least = fmin(grow[0], fmin(grow[1], grow[2])),
+                 sheared = fabs(shear[0]) + fabs(shear[1]) + fabs(shear[2]);
+    const double nearer = (fmax(0, 1 - least) + sheared) * (2 * m->spec->diameter_max + m->skin);
+    const double most = 0.5 * (m->skin - nearer);
     for (int32_t i = 0; i < m->p.n; i++) {
-        double squares = 0;
+        double squares = 0, carried[3];
+        carry(&m->carried, m->old + 3 * (size_t)i, carried);
         for (int k = 0; k < m->p.dim; k++) {
-            const double moved = m->p.x[3 * (size_t)i + (size_t)k] - m->grown * m->old[3 * (size_t)i + (size_t)k];
+            const double moved = m->p.x[3 * (size_t)i + (size_t)k] - carried[k];
             squares += moved * moved;
         }
         if (!(most > 0 && squares < most * most))
@@ -108,15 +147,35 @@ static bool is_old(const minimum *m) {
     return false;
 }
 
-/* The vector from grain i to the image of grain j, and its length. */
-static double separation(const minimum *m, const pair *q, double d[3]) {
+/* The vector from grain i to the image of grain j, and the square of its length. */
+static inline double separation(const minimum *m, const pair *q, double d[3]) {
     const double *a = m->p.x + 3 * (size_t)q->i, *b = m->p.x + 3 * (size_t)q->j;
+    const double *tilt = m->p.tilt, rows = q->shift[1], layers = q->shift[2];
+    const double leaning[3] = {rows * tilt[0] + layers * tilt[1], layers * tilt[2], 0};
     double squares = 0;
     for (int k = 0; k < m->p.dim; k++) {
-        d[k] = b[k] - a[k] + (double)q->shift[k] * m->p.box[k];
+        d[k] = b[k] - a[k] + (double)q->shift[k] * m->p.box[k] + leaning[k];
         squares += d[k] * d[k];
     }
-    return sqrt(squares);
+    return squares;
+}
+
+static void add_stress(minimum *m, double pull, const double d[3]) {
+    for (int a = 0; a < m->p.dim; a++) {
+        m->stress[a] += pull * d[a] * d[a];
+        for (int b = a + 1; b < m->p.dim; b++)
+            m->stress[6 - a - b] += pull * d[a] * d[b];
+    }
+}
+
+/* Forces on the coordinates of the cell. */
+static void find_cell_forces(minimum *m, double volume) {
+    for (int c = 0; c < TENSOR; c++) {
+        m->stress[c] /= volume;
+        m->f_cell[c] = m->cell == YIELDS && m->free[c] ? volume * (m->stress[c] - m->aims[c]) / m->unit : 0;
+    }
+    if (m->cell == GROWS)
+        m->f_cell[0] = m->p.dim * volume * (m->pressure - m->aim) / m->unit;
 }
 
 static void find_forces(minimum *m) {
@@ -125,18 +184,22 @@ static void find_forces(minimum *m) {
     double virial = 0, largest = 0, stiffest = 0;
     memset(m->f, 0, 3 * (size_t)m->p.n * sizeof *m->f);
     memset(m->stiff, 0, (size_t)m->p.n * sizeof *m->stiff);
+    memset(m->stress, 0, sizeof m->stress);
     for (int64_t q = 0; q < m->pairs; q++) {
         const pair *c = &m->pair[q];
         double d[3];
-        const double r = separation(m, c, d), overlap = c->reach - r;
-        if (!(overlap > 0 && r > 0))
+        const double squares = separation(m, c, d);
+        if (!(squares < c->reach * c->reach && squares > 0))
             continue;
+        const double r = sqrt(squares), overlap = c->reach - r;
         const double force = c->e * power(overlap, a), k = a * force / overlap;
         double *on_i = m->f + 3 * (size_t)c->i, *on_j = m->f + 3 * (size_t)c->j;
         for (int b = 0; b < dim; b++) {
             on_i[b] -= force / r * d[b];
             on_j[b] += force / r * d[b];
         }
+        if (m->cell == YIELDS)
+            add_stress(m, force / r, d);
         virial += force * r;
         m->stiff[c->i] += k;
         m->stiff[c->j] += k;
@@ -151,42 +214,59 @@ static void find_forces(minimum *m) {
     m->pressure = virial / (dim * volume);
     m->residual = largest;
     m->stiffest = stiffest;
-    m->f_cell = m->fixed ? 0 : dim * volume * (m->pressure - m->aim) / m->unit;
+    find_cell_forces(m, volume);
 }
 
-static double dot(const minimum *m, const double *a, const double *b, double cell) {
-    double sum = cell;
+/* Of two vectors of the grains and of the cell. */
+static double dot(const minimum *m, const double *a, const double *b, const double *a_cell, const double *b_cell) {
+    double sum = 0;
+    for (int c = 0; c < TENSOR; c++)
+        sum += a_cell[c] * b_cell[c];
     for (size_t k = 0; k < 3 * (size_t)m->p.n; k++)
         sum += a[k] * b[k];
     return sum;
 }
 
-/* x += t v. */
+static void deform(minimum *m, const cell_strain *s) {
+    strain(s, m->p.box, m->p.tilt);
+    strain(s, m->carried.grow, m->carried.shear);
+    for (size_t i = 0; i < (size_t)m->p.n; i++)
+        carry(s, (const double[3]){m->p.x[3 * i], m->p.x[3 * i + 1], m->p.x[3 * i + 2]}, m->p.x + 3 * i);
+}
+
+/* x += t v, and the same of the cell. */
 static void move(minimum *m, double t) {
-    const double grow = exp(t * m->v_cell / m->unit);
-    for (int b = 0; b < m->p.dim; b++)
-        m->p.box[b] *= grow;
-    m->grown *= grow;
+    cell_strain s = {.grow = {1, 1, 1}};
+    for (int a = 0; a < m->p.dim; a++)
+        s.grow[a] = exp(t * m->v_cell[m->cell == GROWS ? 0 : a] / m->unit);
+    for (int k = 0; k < 3; k++)
+        s.shear[k] = t * m->v_cell[5 - k] / m->unit;
     for (size_t k = 0; k < 3 * (size_t)m->p.n; k++)
-        m->p.x[k] = grow * (m->p.x[k] + t * m->v[k]);
+        m->p.x[k] += t * m->v[k];
+    deform(m, &s);
 }
 
 /* v = (1 - turn) (v + dt f) + turn |v| f/|f|. */
 static void push(minimum *m, double dt, double turn) {
     for (size_t k = 0; k < 3 * (size_t)m->p.n; k++)
         m->v[k] += dt * m->f[k];
-    m->v_cell += dt * m->f_cell;
-    const double force = sqrt(dot(m, m->f, m->f, m->f_cell * m->f_cell));
-    const double speed = sqrt(dot(m, m->v, m->v, m->v_cell * m->v_cell));
+    for (int c = 0; c < TENSOR; c++)
+        m->v_cell[c] += dt * m->f_cell[c];
+    const double force = sqrt(dot(m, m->f, m->f, m->f_cell, m->f_cell));
+    const double speed = sqrt(dot(m, m->v, m->v, m->v_cell, m->v_cell));
     const double along = force > 0 ? turn * speed / force : 0;
     for (size_t k = 0; k < 3 * (size_t)m->p.n; k++)
         m->v[k] = (1 - turn) * m->v[k] + along * m->f[k];
-    m->v_cell = (1 - turn) * m->v_cell + along * m->f_cell;
+    for (int c = 0; c < TENSOR; c++)
+        m->v_cell[c] = (1 - turn) * m->v_cell[c] + along * m->f_cell[c];
 }
 
 static bool at_rest(const minimum *m) {
-    const double p = m->fixed ? m->pressure : m->aim;
-    if (m->residual > m->spec->tolerance || !(m->fixed || fabs(m->pressure / p - 1) < PRESSURE_OFF))
+    const double p = m->cell == FIXED ? m->pressure : m->aim;
+    double off = m->cell == GROWS ? fabs(m->pressure - p) : 0;
+    for (int c = 0; c < TENSOR && m->cell == YIELDS; c++)
+        off = fmax(off, m->free[c] ? fabs(m->stress[c] - m->aims[c]) : 0);
+    if (m->residual > m->spec->tolerance || off >= PRESSURE_OFF * p || m->cell != m->wanted)
         return false;
     return m->residual <= fmax(1e-6 * p, sp_rounding_acceleration(p, m->spec->law_exponent));
 }
@@ -200,6 +280,16 @@ static sp_status report(const minimum *m, sp_error *err) {
     if (!m->hooks->watch || m->hooks->watch(&progress, m->hooks->user))
         return SP_OK;
     return sp_fail(err, SP_EINTERRUPTED, "stopped after %lld steps", (long long)m->steps);
+}
+
+static sp_status come_apart(const minimum *m, sp_error *err) {
+    if (m->strained != 0)
+        return sp_fail_key(err, SP_EFAILED, "packing.path.strain",
+                           ": at %.6g of it the packing has come apart: the pressure fell below %g E*", m->strained,
+                           BARE);
+    return sp_fail_key(err, SP_EFAILED, "packing.fraction",
+                       " = %g: is too little for a rigid packing: the pressure fell below %g E*", m->spec->fraction,
+                       BARE);
 }
 
 static sp_status descend(minimum *m, sp_error *err) {
@@ -216,17 +306,15 @@ static sp_status descend(minimum *m, sp_error *err) {
             return status;
         find_forces(m);
         /* only a cell whose grains are jammed adapts itself: one that springs open heats them, and they may order */
-        if (m->fixed && m->residual <= ROUGH * m->pressure)
-            m->fixed = m->spec->fraction > 0;
-        if (m->spec->fraction > 0 && m->pressure < BARE)
-            return sp_fail(err, SP_EFAILED,
-                           "packing.fraction = %g: is too little for a rigid packing: the pressure fell below %g E*",
-                           m->spec->fraction, BARE);
+        if (m->cell == FIXED && m->residual <= ROUGH * m->pressure)
+            m->cell = m->wanted;
+        if (m->wanted == FIXED && m->pressure < BARE)
+            return come_apart(m, err);
         if (at_rest(m))
             return SP_OK;
         const double longest = 0.7 / sqrt(fmax(2 * m->stiffest, 1e-12)); /* omega_max^2 <= 2 max sum k */
         dt = first ? 0.1 * longest : fmin(dt, longest);
-        if (dot(m, m->f, m->v, m->f_cell * m->v_cell) > 0) {
+        if (dot(m, m->f, m->v, m->f_cell, m->v_cell) > 0) {
             if (++downhill > LATENCY) {
                 dt = fmin(GROW * dt, longest);
                 turn *= TURN_LESS;
@@ -238,7 +326,7 @@ static sp_status descend(minimum *m, sp_error *err) {
             turn = TURN;
             move(m, -0.5 * dt);
             memset(m->v, 0, 3 * (size_t)m->p.n * sizeof *m->v);
-            m->v_cell = 0;
+            memset(m->v_cell, 0, sizeof m->v_cell);
         }
         push(m, dt, turn);
         move(m, dt);
@@ -285,13 +373,15 @@ static sp_status finish(const minimum *m, sp_packing *out, sp_error *err) {
     double d[3];
     sp_packing p = sp_packing_none();
     for (int64_t q = 0; q < m->pairs; q++)
-        count += separation(m, &m->pair[q], d) < m->pair[q].reach;
+        count += sqrt(separation(m, &m->pair[q], d)) < m->pair[q].reach;
     sp_status status = sp_packing_alloc(&p, m->p.dim, m->p.n, count, err);
     if (status != SP_OK)
         return status;
     memcpy(p.x, m->p.x, 3 * (size_t)p.n * sizeof *p.x);
     memcpy(p.r, m->p.r, (size_t)p.n * sizeof *p.r);
     memcpy(p.box, m->p.box, sizeof p.box);
+    memcpy(p.tilt, m->p.tilt, sizeof p.tilt);
+    sp_packing_untilt(p.dim, p.box, p.tilt);
     p.cell = SP_CELL_PERIODIC;
     p.pressure = m->pressure;
     p.poisson = m->spec->poisson;
@@ -301,7 +391,7 @@ static sp_status finish(const minimum *m, sp_packing *out, sp_error *err) {
     count = 0;
     for (int64_t q = 0; q < m->pairs; q++) {
         const pair *c = &m->pair[q];
-        const double r = separation(m, c, d), overlap = c->reach - r;
+        const double r = sqrt(separation(m, c, d)), overlap = c->reach - r;
         if (!(overlap > 0))
             continue;
         sp_contact *to = &p.contacts[count++];
@@ -320,6 +410,35 @@ static sp_status finish(const minimum *m, sp_packing *out, sp_error *err) {
     return SP_OK;
 }
 
+/* Sets what the cell does, and strains it by a step of the path. */
+static void begin_stage(minimum *m, int32_t k) {
+    const sp_pack_spec *s = m->spec;
+    const bool path = k > s->history_count;
+    const double to = sp_pack_stage_strain(s, k), step = to - m->strained;
+    double e[TENSOR];
+    cell_strain by = {.grow = {1, 1, 1}};
+    m->aim = sp_pack_stage_pressure(s, k);
+    sp_stress_target(s, m->aims);
+    sp_path_strain(s, e);
+    bool some = false;
+    for (int c = 0; c < TENSOR; c++) {
+        const bool exists = c < 3 ? c < s->dim : s->dim == 3 || c == 5;
+        m->aims[c] *= m->aim / s->pressure;
+        m->free[c] = exists && (path ? sp_path_frees(s, c) : s->stress_count > 0);
+        some = some || m->free[c];
+    }
+    m->wanted = some ? YIELDS : path || s->fraction > 0 ? FIXED : GROWS;
+    if (k > 0)
+        m->cell = m->wanted;
+    for (int a = 0; a < s->dim; a++)
+        by.grow[a] = exp(-step * e[a]);
+    for (int a = 0; a < 3; a++)
+        by.shear[a] = -step * e[5 - a];
+    m->strained = to;
+    if (path)
+        deform(m, &by);
+}
+
 static sp_status report_stage(const minimum *m, int32_t k, sp_error *err) {
     sp_packing p = sp_packing_none();
     if (!m->hooks->stage)
@@ -332,12 +451,13 @@ static sp_status report_stage(const minimum *m, int32_t k, sp_error *err) {
 }
 
 sp_status sp_minimum_make(const sp_pack_spec *spec, const sp_pack_hooks *hooks, sp_packing *out, sp_error *err) {
-    minimum m = {.spec = spec, .hooks = hooks, .p = sp_packing_none(), .fixed = true};
+    minimum m = {.spec = spec, .hooks = hooks, .p = sp_packing_none()};
+    const int32_t stages = sp_pack_stages(spec);
     sp_status status = start(&m, err);
-    for (int32_t k = 0; k <= spec->history_count && status == SP_OK; k++) {
-        m.aim = k < spec->history_count ? spec->history[k] : spec->pressure;
+    for (int32_t k = 0; k < stages && status == SP_OK; k++) {
+        begin_stage(&m, k);
         status = descend(&m, err);
-        if (status == SP_OK && k < spec->history_count)
+        if (status == SP_OK && k < stages - 1)
             status = report_stage(&m, k, err);
     }
     if (status == SP_OK)

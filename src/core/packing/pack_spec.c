@@ -62,6 +62,9 @@ static sp_status check_lists(const sp_pack_spec *s, sp_error *err) {
     if (s->history_count < 0 || s->history_count > SP_HISTORY_MAX || (s->history_count > 0 && !s->history))
         return sp_fail_key(err, SP_EINVAL, "packing.history", " = (%d pressures): must be at most %d", s->history_count,
                            SP_HISTORY_MAX);
+    if (s->turn_count < 0 || s->turn_count > SP_HISTORY_MAX || s->strain_count < 0 || s->strain_count > 6)
+        return sp_fail_key(err, SP_EINVAL, "packing.path", ": %d strains and %d turns: must be at most 6 and %d",
+                           s->strain_count, s->turn_count, SP_HISTORY_MAX);
     if (s->stress_count < 0 || s->stress_count > 6)
         return sp_fail_key(err, SP_EINVAL, "packing.stress", " = (%d numbers): must be at most 6", s->stress_count);
     return SP_OK;
@@ -320,10 +323,9 @@ static sp_status check_minimum(const sp_pack_spec *given, const sp_pack_spec *s,
     if (s->friction != 0)
         return sp_fail_key(err, SP_EINVAL, "packing.friction",
                            " = %g: must be 0 for packing.kind = \"minimum\", whose grains are smooth", s->friction);
-    if (s->stress_count > 0 || (s->history_count > 0 && s->fraction > 0))
+    if (s->fraction > 0 && (s->stress_count > 0 || s->history_count > 0))
         return sp_fail_key(err, SP_EINVAL, s->stress_count > 0 ? "packing.stress" : "packing.history",
-                           ": must be empty for packing.kind = \"minimum\"%s",
-                           s->stress_count > 0 ? "" : " at a packing.fraction");
+                           ": must be empty for packing.kind = \"minimum\" at a packing.fraction");
     sp_status status = check_scale(s, err);
     if (status == SP_OK)
         status = check_idle(given, err);
@@ -377,6 +379,8 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
     if (status != SP_OK)
         return status;
     status = sp_cell_spec_check(given, s, err);
+    if (status == SP_OK)
+        status = sp_path_check(s, err);
     if (status != SP_OK)
         return status;
     if (s->dim != 3 && s->depth != 0)

@@ -93,7 +93,7 @@ static sp_status freeze(const compression *run, sp_packing *out, sp_error *err) 
         return status;
     set_cell(d, &p);
     p.gravity = spec->gravity;
-    p.pressure = spec->pressure;
+    p.pressure = run->stage > run->whole->history_count ? sp_squeeze_pressure(run) : spec->pressure;
     p.friction = spec->friction;
     p.poisson = spec->poisson;
     p.seed = spec->seed;
@@ -320,7 +320,7 @@ static const double FLIGHT_PART = 0.1, SETTLED_PART = 0.6;
 /* Sets the estimate to the fraction x of the way from one share to another. It never decreases. */
 static void estimate_progress(compression *run, double from, double to, double x) {
     const double part = from + (to - from) * fmax(0, fmin(1, x)); /* fmax(0, NAN) is 0 */
-    run->fraction = fmax(run->fraction, (run->stage + part) / (run->whole->history_count + 1));
+    run->fraction = fmax(run->fraction, (run->stage + part) / sp_pack_stages(run->whole));
 }
 
 /* Progress from the residual, or during the flight from the piston's height. */
@@ -459,6 +459,9 @@ static void next_stage(compression *run) {
     run->first_acceleration = run->first_residual = run->ramp_time = 0;
     d->drag = 0;
     d->sparing = false;
+    run->flow = 0;
+    if (run->stage > run->whole->history_count) /* the path decides which sides of the cell move */
+        memset(d->strain_rate, 0, sizeof d->strain_rate), memset(d->shear_rate, 0, sizeof d->shear_rate);
     d->law.viscous_limit = run->spec->viscous_limit;
     d->law.damping = run->spec->damping;
     d->lag = lag_of(run->spec, false);
@@ -480,7 +483,7 @@ sp_status sp_piston_make(const sp_pack_spec *spec, const sp_pack_hooks *hooks, s
     sp_status status = sp_compression_start(&run, err);
     while (status == SP_OK) {
         status = compress(&run, err);
-        if (status != SP_OK || run.stage == spec->history_count)
+        if (status != SP_OK || run.stage == sp_pack_stages(spec) - 1)
             break;
         status = report_stage(&run, err);
         next_stage(&run);

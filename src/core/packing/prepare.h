@@ -12,12 +12,20 @@ SP_SHARED extern const sp_key sp_pack_keys[];
 /* Cells without a piston (cell_spec.c). The target stress, xx yy zz yz xz xy, which is p along the diagonal without
  * packing.stress; the rows of the resolve and the check; and the spec of the gas, with longer edges. */
 void sp_stress_target(const sp_pack_spec *s, double target[6]);
+/* Writes a list of xx, yy, xy, or of six, into xx yy zz yz xz xy. */
+void sp_tensor_fill(int dim, int32_t count, const double *list, double tensor[6]);
 void sp_cell_spec_resolve(sp_pack_spec *s);
 /* s is `given`, resolved. For all cells: SP_EINVAL names what does not go with the cell. */
 sp_status sp_cell_spec_check(const sp_pack_spec *given, const sp_pack_spec *s, sp_error *err);
 /* About the edge along the up axis that belongs to the width and depth of a resolved spec. */
 double sp_cell_spec_height(const sp_pack_spec *s);
 sp_pack_spec sp_cell_spec_gas(const sp_pack_spec *s);
+
+/* Paths of strain (stages.c): the strain of 1 along the path, xx yy zz yz xz xy; whether a component is free to hold
+ * its stress; the rows of the check. */
+void sp_path_strain(const sp_pack_spec *s, double strain[6]);
+bool sp_path_frees(const sp_pack_spec *s, int component);
+sp_status sp_path_check(const sp_pack_spec *s, sp_error *err);
 
 /* Accelerations below this are rounding: positions are rounded, and contacts whose forces go as overlap^exponent have
  * stiffnesses of about p^(1 - 1/exponent). */

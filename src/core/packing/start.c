@@ -25,8 +25,8 @@ static int64_t default_max_steps(const compression *run) {
     const double diameter = sp_sizes_moment(spec, 1);
     const double power = spec->cell == SP_CELL_PISTON ? -0.3 : -0.5;
     double layers = fmax(1.0, run->start_height / (75.0 * diameter)), slowness = 0;
-    for (int32_t stage = 0; stage <= spec->history_count; stage++)
-        slowness += fmax(1, pow(sp_compression_stage_pressure(spec, stage) / 1e-4, power));
+    for (int32_t stage = 0; stage < sp_pack_stages(spec); stage++)
+        slowness += fmax(1, pow(sp_pack_stage_pressure(spec, stage) / 1e-4, power));
     double roughness = pow(spec->diameter_max / spec->diameter_min, 1.5) * 0.1 / spec->time_step;
     const double slow = spec->strain_rate > 0 ? fmax(1, 1e-3 / spec->strain_rate) : 1;
     return (int64_t)fmin(4e6 * layers * slowness * slow * fmax(1, roughness), 1e18);

@@ -12,7 +12,7 @@
 #include <string.h>
 
 static const char magic[8] = {'S', 'N', 'P', 'K', 'S', 'T', 'A', 'T'};
-enum { STATE_VERSION = 2, BYTE_ORDER_MARK = 0x01020304 };
+enum { STATE_VERSION = 3, BYTE_ORDER_MARK = 0x01020304 };
 
 /* ---- hashes -------------------------------------------------------------------------------------------------- */
 
@@ -154,6 +154,7 @@ static void visit_run(stream *s, compression *run) {
         visit(s, d->shear_rate, sizeof d->shear_rate);
         visit(s, &run->flow, sizeof run->flow);
         visit(s, &run->flow_rate, sizeof run->flow_rate);
+        visit(s, &run->strained, sizeof run->strained);
     }
     visit(s, &run->steps, sizeof run->steps);
     visit(s, &run->stall_step, sizeof run->stall_step);
@@ -343,7 +344,7 @@ static bool sane(const compression *run) {
     const dynamics *d = &run->d;
     const double lengths[] = {run->start_height, run->start_period[0], d->period[0], d->area,
                               d->pressure,       d->piston_y,          d->dt};
-    bool good = run->steps >= 0 && run->stage >= 0 && run->stage <= run->whole->history_count;
+    bool good = run->steps >= 0 && run->stage >= 0 && run->stage < sp_pack_stages(run->whole);
     for (size_t k = 0; k < sizeof lengths / sizeof *lengths; k++)
         good = good && isfinite(lengths[k]) && lengths[k] > 0;
     return good && (run->whole->dim == 2 || (run->start_period[1] > 0 && d->period[1] > 0 && isfinite(d->period[1])));

@@ -22,6 +22,7 @@ static const sp_word compressions[] = {
     {"piston", SP_COMPRESSION_PISTON}, {"isotropic", SP_COMPRESSION_ISOTROPIC}, {NULL, 0}};
 static const sp_word tangentials[] = {
     {"constant", SP_TANGENTIAL_CONSTANT}, {"history", SP_TANGENTIAL_HISTORY}, {NULL, 0}};
+static const sp_word laterals[] = {{"fixed", SP_LATERAL_FIXED}, {"stress", SP_LATERAL_STRESS}, {NULL, 0}};
 static const sp_word springs[] = {
     {"constant", SP_SPRINGS_CONSTANT}, {"loading", SP_SPRINGS_LOADING}, {"lowest", SP_SPRINGS_LOWEST}, {NULL, 0}};
 static const sp_word protocols[] = {{"default", SP_PROTOCOL_DEFAULT},
@@ -229,8 +230,10 @@ bool sp_field_is_planes(const sp_field *f) { return f->offset == AT(plane); }
 bool sp_field_is_tapped(const sp_field *f) { return sp_field_in_group(f, "column"); }
 
 int sp_field_list_max(const sp_field *f) {
-    if (f->offset == AT(pack.stress) && f->type == SP_FIELD_REALS)
+    if ((f->offset == AT(pack.stress) || f->offset == AT(pack.strain)) && f->type == SP_FIELD_REALS)
         return 6;
+    if (f->offset == AT(pack.turns) && f->type == SP_FIELD_REALS)
+        return SP_HISTORY_MAX;
     return sp_field_is_planes(f) ? SP_PLANES_MAX : f->offset == AT(pack.history) ? SP_HISTORY_MAX : SP_DIAMETERS_MAX;
 }
 
@@ -293,6 +296,8 @@ const char *sp_field_right(const sp_field *f, char *buf, size_t size) {
         snprintf(buf, size, "%sa list [%s, ...] of numbers %s", sp_field_is_tapped(f) ? "one number or " : "",
                  f->offset == AT(pack.history)  ? "1e-3, 1e-5"
                  : f->offset == AT(pack.stress) ? "1e-4, 1e-4, 1e-5"
+                 : f->offset == AT(pack.strain) ? "0, 0, 0.1"
+                 : f->offset == AT(pack.turns)  ? "1, -1, 0"
                  : sp_field_is_planes(f)        ? "12.5, 25"
                                                 : "0.9, 1.1",
                  sp_key_range(sp_field_limits(f), text, sizeof text));

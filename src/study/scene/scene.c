@@ -29,10 +29,9 @@ static double **owner_of(sp_scene *s, const sp_field *f) {
     const struct {
         const char *key;
         double **owner;
-    } owners[] = {{"packing.diameters", &s->diameters},
-                  {"packing.history", &s->history},
-                  {"packing.stress", &s->stress},
-                  {"column.mass", &s->masses},
+    } owners[] = {{"packing.diameters", &s->diameters}, {"packing.history", &s->history},
+                  {"packing.stress", &s->stress},       {"packing.path.strain", &s->strain},
+                  {"packing.path.turns", &s->turns},    {"column.mass", &s->masses},
                   {"column.radius", &s->radii}};
     for (size_t k = 0; k < sizeof owners / sizeof *owners; k++)
         if (strcmp(f->key, owners[k].key) == 0)

@@ -98,7 +98,8 @@ void sp_field_put(sp_text *t, const sp_scene *s, const sp_field *f) {
 }
 
 /* Of packing.grains and packing.height only the one that counts is written, so that equal packings have equal texts.
- * Scenes name cell, stress, strain rate, gravity, law and fraction where they are not those of a piston without weight,
+ * Scenes name cell, stress, strain rate, path, gravity, law and fraction where they are not those of a piston without
+ * weight,
  * and loading history where there is one. The dimension is not written where packing.kind is swept and each kind has
  * its own. */
 static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
@@ -113,7 +114,9 @@ static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
         (strcmp(f->key, "packing.fraction") == 0 && s->pack.fraction == 0) ||
         (strcmp(f->key, "packing.law.exponent") == 0 && s->pack.law_exponent == 1.5) ||
         (strcmp(f->key, "packing.strain_rate") == 0 && s->pack.strain_rate == 0) ||
-        (strcmp(f->key, "packing.stress") == 0 && s->pack.stress_count == 0))
+        (strcmp(f->key, "packing.stress") == 0 && s->pack.stress_count == 0) ||
+        (strcmp(f->key, "packing.stages") == 0 && s->pack.stages == 0) ||
+        (strncmp(f->key, "packing.path.", 13) == 0 && s->pack.strain_count == 0))
         return true;
     return (strcmp(f->key, "packing.height") == 0 && !(s->height > 0)) ||
            (strcmp(f->key, "packing.grains") == 0 && s->height > 0);
@@ -122,6 +125,23 @@ static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
 /* Groups that a stored scene does not need. */
 static bool is_apart(const sp_scene *s, const char *group) {
     return strcmp(group, "column") == 0 || (strcmp(group, "material") == 0 && !(s->material.young > 0));
+}
+
+static bool same_inner(const sp_field *a, const sp_field *b, size_t length) {
+    return strncmp(a->key, b->key, length) == 0 && b->key[length] == '.';
+}
+
+/* A key, or one of a group within the group, whose keys follow each other and are all there or all left out. */
+static void put_key(sp_text *t, const sp_scene *s, const sp_field *f) {
+    const char *name = sp_field_name(f), *inner = strchr(name, '.');
+    const size_t length = inner ? (size_t)(inner - f->key) : 0;
+    const bool opens = inner && !(f > sp_fields && same_inner(f, f - 1, length));
+    const bool closes = inner && !(f + 1 < sp_fields + SP_FIELDS && same_inner(f, f + 1, length));
+    if (opens)
+        sp_text_add(t, "  %.*s = {", (int)(inner - name), name);
+    sp_text_add(t, inner ? " %s = " : "  %s = ", inner ? inner + 1 : name);
+    sp_field_put(t, s, f);
+    sp_text_add(t, closes ? "; };\n" : inner ? ";" : ";\n");
 }
 
 char *sp_scene_text(const sp_scene *s, const char *group) {
@@ -133,13 +153,7 @@ char *sp_scene_text(const sp_scene *s, const char *group) {
         for (const sp_field *f = sp_fields; f < sp_fields + SP_FIELDS; f++) {
             if (!sp_field_in_group(f, sp_groups[g]) || left_out(s, f, group))
                 continue;
-            const char *name = sp_field_name(f), *inner = strchr(name, '.');
-            if (inner)
-                sp_text_add(&t, "  %.*s = { %s = ", (int)(inner - name), name, inner + 1);
-            else
-                sp_text_add(&t, "  %s = ", name);
-            sp_field_put(&t, s, f);
-            sp_text_add(&t, inner ? "; };\n" : ";\n");
+            put_key(&t, s, f);
         }
         sp_text_add(&t, "};\n");
     }

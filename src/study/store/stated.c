@@ -51,7 +51,7 @@ static sp_status check_pressure(const sp_packing *p, const sp_pack_spec *s, sp_e
     bool found = fabs(p->pressure - s->pressure) <= exact * s->pressure;
     for (int32_t k = 0; k < s->history_count && !found; k++)
         found = fabs(p->pressure - s->history[k]) <= exact * s->history[k];
-    return found || s->stress_count > 0 || s->fraction > 0
+    return found || s->stress_count > 0 || s->strain_count > 0 || s->fraction > 0
                ? SP_OK
                : sp_at_odds(err, "/sonopack/pressure", p->pressure, s->pressure);
 }
