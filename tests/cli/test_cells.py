@@ -131,11 +131,12 @@ study = { want = ["statics", "moduli"]; samples = 3; };
 
 def paths():
     """A row and a packing for each step, also of a path that goes on after an interruption; each file holds its scene."""
-    words = ["pack", *sets("packing.path.strain=[0,0.004,0]", "packing.path.turns=[1,0.5]", "packing.path.lateral=stress",
+    words = ["pack", *sets("packing.path.strain=[0,0.03,0]", "packing.path.turns=[1,0.5]", "packing.path.lateral=stress",
                            "packing.path.steps=2", grains=60, cell="periodic", seed=2)]
     rows = table(*words, "-o", "path.h5")
     assert list(rows["stage"]) == [0, 1, 2, 3] and list(rows["strain"]) == [0, 0.5, 1, 0.5]
-    assert np.allclose(rows["s_xx"], 1e-4, rtol=1e-5) and rows["s_yy"][2] > 1.02e-4 and np.all(np.abs(rows["s_xy"]) < 1e-10)
+    assert np.allclose(rows["s_xx"][1:], 1e-4, rtol=1e-5) and rows["s_yy"][2] > 1.2e-4
+    assert np.all(np.abs(rows["s_xy"][1:]) < 1e-9)
     files = [f"path.stage{k}.h5" for k in (1, 2, 3)] + ["path.h5"]
     assert np.allclose(table("statics", *files)["p"], (rows["s_xx"] + rows["s_yy"]) / 2, rtol=1e-9)
     assert set(table("check", *files).words("ok")) == {"yes"}
