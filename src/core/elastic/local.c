@@ -129,9 +129,10 @@ static void add_all(const sp_network *net, const grid *g, const bool *allowed, c
 
 /* ---- errors ------------------------------------------------------------------------------------------------------ */
 
-/* The energy norm of the error of u, sqrt(rest . K^-1 rest), with the rounding of the rest. The error of a stress is
- * g . (K^-1 rest) for g = B^T k d, and g . K^-1 g <= d . k d, since what is taken off is a projection: so Cauchy and
- * Schwarz bound the error of every part by one number for the strain. work: [4][n]. */
+/* The energy norm of the error K^-1 rest of u, with the rounding of the rest. The error of a stress is g . (K^-1 rest)
+ * for g = B^T k d, and g . K^-1 g <= d . k d, since what is taken off is a projection: so Cauchy and Schwarz bound the
+ * error of every part by one number for the strain. Floppy motions have no energy. Those as soft as the shift of the
+ * factor move half as far with it: hence 2. work: [4][n]. */
 static double error_norm(sp_equilibrium *e, int strain, const double *u, double *work) {
     const int64_t n = sp_network_dofs(e->net);
     double *f = work, *rest = work + n, *size = work + 2 * n, *back = work + 3 * n, sum[STRAINS_3D];
@@ -142,7 +143,7 @@ static double error_norm(sp_equilibrium *e, int strain, const double *u, double 
     for (int64_t k = 0; k < n; k++)
         rest[k] += copysign(noise * size[k], rest[k]);
     sp_equilibrium_apply(e, rest, back);
-    return sqrt(fmax(0, sp_dot(n, rest, back)));
+    return 2 * sqrt(fmax(0, sp_network_energy2(e->net, back)));
 }
 
 static void bound_errors(const sp_network *net, const grid *g, double norm, const bounds *sums, sp_local_moduli *m) {
