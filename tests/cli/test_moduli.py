@@ -10,6 +10,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's threads wait for e
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
+from cells import lattice, write_packing  # noqa: E402
 from command import MATERIAL, N200, N600, Table, main, pack, refused, run, table, tried  # noqa: E402
 from common import names_all  # noqa: E402
 from network_oracle import network  # noqa: E402
@@ -162,8 +163,12 @@ def local():
     for width, keys, periodic in ((3, dict(grains=150, width=9, seed=7), (1, 0)),
                                   (1.5, dict(grains=90, cell="periodic", friction=0, seed=3, protocol="quick"), (1, 1)),
                                   (2.2, dict(grains=120, cell="box", seed=2, protocol="quick"), (0, 0)),
+                                  (1.9, dict(dim=2, tilt=0.3, cells=7), (1, 1)), (1.7, dict(dim=3, tilt=-0.2, cells=4), (1, 1, 1)),
                                   (1.9, dict(dimension=3, grains=150, width=5, seed=7, protocol="quick"), (1, 1, 0))):
-        path = pack("local.h5", tolerance=1e-9, pressure=1e-3, **keys)
+        if "tilt" in keys:
+            write_packing(path := "tilted.h5", lattice(**keys))
+        else:
+            path = pack("local.h5", tolerance=1e-9, pressure=1e-3, **keys)
         oracle, own = Space(path), table("moduli", path, f"--probe=local:{width}")
         dim = oracle.dim
         cells = np.maximum(1, np.round(oracle.box / width)).astype(int)

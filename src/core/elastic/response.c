@@ -150,14 +150,14 @@ static sp_status respond(sp_equilibrium *e, const sp_load *load, sp_response *r,
 
 /* ---- limits of the contacts -------------------------------------------------------------------------------------- */
 
-/* The root nearest to 0 of a e^2 + 2 b e + c, c < 0, at which the normal force n + e dn is no tension: that is on the
- * other sheet of the cone. At n + e dn = 0 the limit is reached, if not before: both forces of a grain with two
- * contacts keep their directions, so that they pass through the tip. */
+/* The root nearest to 0 of a e^2 + 2 b e + c, c < 0, and of the normal force n + e dn: the other sheet of the cone lies
+ * behind that, and both forces of a grain with two contacts keep their directions, so that they pass through the tip.
+ */
 static double nearest_exit(double a, double b, double c, double n, double dn) {
     const double q = -(b + copysign(sqrt(fmax(0, b * b - a * c)), b)), roots[2] = {q / a, c / q};
     double nearest = dn == 0 ? INFINITY : -n / dn;
     for (int k = 0; k < 2; k++)
-        if (fabs(roots[k]) < fabs(nearest) && n + roots[k] * dn >= 0)
+        if (fabs(roots[k]) < fabs(nearest))
             nearest = roots[k];
     return nearest;
 }
