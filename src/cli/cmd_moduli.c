@@ -272,34 +272,38 @@ static const char *local_components(int dim) {
     return dim == 3 ? "C11 C12 C13 C21 C22 C23 C31 C32 C33 C44 C55 C66" : "C11 C12 C21 C22 C33";
 }
 
-/* What the comments have of all parts, in [strains][strains] of c. */
 static double pure_shear(const double *c) { return 0.25 * (c[0] + c[4] - c[1] - c[3]); }
 
-/* The value of the whole, the mean over the parts, and the standard deviation of the parts. */
-static void spread_comments(const char *name, double whole, int32_t n, const double *value, cli_writer *w) {
-    double mean = 0, squares = 0;
-    char key[32];
-    for (int32_t q = 0; q < n; q++)
-        mean += value[q] / n;
-    for (int32_t q = 0; q < n; q++)
-        squares += (value[q] - mean) * (value[q] - mean) / n;
-    cli_value(w, name, whole);
-    snprintf(key, sizeof key, "%s_mean", name);
-    cli_value(w, key, mean);
-    snprintf(key, sizeof key, "%s_sd", name);
-    cli_value(w, key, sqrt(squares));
+/* What the comments tell of part q; -1: of the whole. */
+static const char *const local_names[] = {"K", "G", "G_pure", "C33"};
+static double local_value(const sp_local_moduli *m, int which, int32_t q) {
+    const double *c = q < 0 ? m->whole : m->c + (int64_t)q * m->strains * m->strains;
+    switch (which) {
+    case 0: return q < 0 ? m->whole_bulk : m->bulk[q];
+    case 1: return q < 0 ? m->whole_shear : m->shear[q];
+    case 2: return pure_shear(c);
+    default: return c[8];
+    }
 }
 
-static void local_comments(const sp_local_moduli *m, const double *pure, const double *simple, cli_writer *w) {
+/* The modulus of the whole, the mean over the parts, and the standard deviation of the parts. */
+static void local_comments(const sp_local_moduli *m, cli_writer *w) {
     cli_value(w, "edge_x", m->edge_x);
     cli_value(w, "edge_y", m->edge_y);
     if (m->strains == SP_STRAINS_MAX)
         cli_value(w, "edge_z", m->edge_z);
-    spread_comments("K", m->whole_bulk, m->n, m->bulk, w);
-    spread_comments("G", m->whole_shear, m->n, m->shear, w);
-    if (m->strains < SP_STRAINS_MAX) {
-        spread_comments("G_pure", pure_shear(m->whole), m->n, pure, w);
-        spread_comments("C33", m->whole[8], m->n, simple, w);
+    for (int k = 0; k < (m->strains == SP_STRAINS_MAX ? 2 : 4); k++) {
+        double mean = 0, squares = 0;
+        char key[32];
+        for (int32_t q = 0; q < m->n; q++)
+            mean += local_value(m, k, q) / m->n;
+        for (int32_t q = 0; q < m->n; q++)
+            squares += (local_value(m, k, q) - mean) * (local_value(m, k, q) - mean) / m->n;
+        cli_value(w, local_names[k], local_value(m, k, -1));
+        snprintf(key, sizeof key, "%s_mean", local_names[k]);
+        cli_value(w, key, mean);
+        snprintf(key, sizeof key, "%s_sd", local_names[k]);
+        cli_value(w, key, sqrt(squares));
     }
     cli_value(w, "C_err", m->whole_error);
 }
@@ -341,22 +345,13 @@ static void local_rows(const arguments *a, const cli_file *file, cli_writer *w) 
     if (w->status != SP_OK)
         return;
     int32_t empty = 0;
-    double *pure = sp_alloc((size_t)m.n, sizeof *pure), *simple = sp_alloc((size_t)m.n, sizeof *simple);
-    if (!pure || !simple)
-        w->status = sp_fail_memory(w->err, (size_t)m.n * sizeof *pure);
+    local_comments(&m, w);
     for (int32_t q = 0; q < m.n && w->status == SP_OK; q++) {
-        pure[q] = pure_shear(m.c + (int64_t)q * m.strains * m.strains);
-        simple[q] = m.c[((int64_t)q + 1) * m.strains * m.strains - 1];
+        local_row(file, &m, q, w);
         empty += m.contacts[q] == 0;
     }
-    if (w->status == SP_OK)
-        local_comments(&m, pure, simple, w);
-    for (int32_t q = 0; q < m.n && w->status == SP_OK; q++)
-        local_row(file, &m, q, w);
     if (empty > 0)
         cli_note(&a->common, "%s: %d of %d parts have no contact, and moduli of 0", file->path, empty, m.n);
-    sp_free(pure);
-    sp_free(simple);
     sp_local_moduli_free(&m);
 }
 
