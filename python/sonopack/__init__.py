@@ -19,7 +19,7 @@ from ._column import Column, ColumnRun
 from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, text_of as _text_of
 from ._inference import CODA_CANDIDATE, DESIGN_STEP, Coda, Design, Uncertain, Uncertainty, design, uncertainty
 from ._modes import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, ComplexModes, Continuum, DampedModes, DensityOfStates,
-                     Dispersion, Harmonic, Modes, Response, Transmission, WaveSection, free_path, ioffe_regel)
+                     Dispersion, Harmonic, LocalModuli, Modes, Response, Transmission, WaveSection, free_path, ioffe_regel)
 from ._native import lib as _lib
 from ._network import ENERGY, FLUX, SPRING, Network
 from ._packing import BACK, BOTTOM, CONTACT, FRONT, LEFT, RIGHT, TOP, Packing
@@ -42,8 +42,8 @@ __all__ = [
     "AmplitudeSecond", "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda",
     "CoherentWave", "Column", "ColumnRun", "ComplexModes", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes",
     "DensityOfStates", "Design", "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain",
-    "FreePath", "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "Material", "Modes",
-    "Moduli", "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse",
+    "FreePath", "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "LocalModuli", "Material",
+    "Modes", "Moduli", "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse",
     "RIGHT", "Refused", "Response", "SPRING", "Sample", "Scene", "Signal", "Solitary", "SonopackError", "Split", "Spread",
     "Stability", "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap", "Transmission",
     "Uncertain", "Uncertainty", "WAVE_FIT", "WaveSection", "ZeroModes", "design", "free_path", "front",

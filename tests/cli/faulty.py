@@ -60,6 +60,7 @@ PLAIN = {
     "statics-tall": "statics {in}/tall.h5 --margin 1",
     "moduli": "moduli {in}/P.h5 --margin 1 -o out.tsv",
     "moduli-probe": "moduli {in}/P.h5 --probe sine:1 --probe lines:1 --margin 1",
+    "moduli-local": "moduli {in}/P.h5 --probe local:2 --margin 1",
     "moduli-strain": "moduli {in}/P.h5 --strain 1e-6 --margin 1",
     "modes": "modes {in}/P.h5",
     "modes-lowest": "modes {in}/P.h5 --lowest 3 -o out.csv",

@@ -111,6 +111,8 @@ KINDS = {
                    "and one of factor (sonopack design --rows grains), probability (coda), by_mass or by_radius "
                    "(sensitivity): orange above, blue below", sets="network", axes=False, labels=False, needs=2),
     "transport": Kind("waves", 6, "D and mean free path against frequency from tables of `sonopack transport'"),
+    "local": Kind("maps", 1, "a map of the shear moduli of the parts of a packing in two dimensions, from a table of "
+                  "`sonopack moduli --probe local:W'", axes=False, labels=False),
     "spectrogram": Kind("maps", 1, "the power of a signal over time and frequency, with the ridge of the largest power, "
                         "from what `signal' takes", sets="network signal", labels=False),
 }

@@ -78,7 +78,7 @@ RESULTS = {
     "dos": lambda n: n.dos(bins=5), "transmission": lambda n: n.transmission(points=7), "modes": lambda n: n.modes(lowest=3),
     "dispersion": lambda n: n.dispersion(profile=9), "harmonic": lambda n: n.harmonic([0.1], damping=0.1),
     "continuum": lambda n: n.continuum(lowest=4), "damped": lambda n: n.damped_modes(0.05),
-    "complex": lambda n: n.complex_modes(), "response": lambda n: n.respond("strain", axis=1), "signal": lambda n: n.signal(),
+    "local": lambda n: n.local_moduli(3), "complex": lambda n: n.complex_modes(), "response": lambda n: n.respond("strain", axis=1), "signal": lambda n: n.signal(),
     "coda": lambda n: sonopack.Coda(n, [1.0, 2.0]), "elasticity": lambda n: n.elasticity(), "network": lambda n: n,
     "section": lambda n: n.section(low=2, spacing=0.2), "packing": lambda n: n.packing,
     "design": lambda n: sonopack.design(n.packing, "delay", iterations=1),
