@@ -89,8 +89,9 @@ static void contact_rows(const sp_network *net, const sp_clusters *c, cli_writer
                 NULL);
     for (int32_t k = 0; k < net->n_springs && w->status == SP_OK; k++) {
         const sp_spring *s = &net->springs[k];
-        cli_row(w, s->contact, net->grain[s->i], s->j < 0 ? s->j : net->grain[s->j], c->bars[k], c->cluster[k],
+        cli_put(w, s->contact, net->grain[s->i], s->j < 0 ? s->j : net->grain[s->j], c->bars[k], c->cluster[k],
                 c->redundant[k]);
+        cli_end_row(w);
     }
 }
 

@@ -16,16 +16,17 @@
  * or less. */
 static const double SOFT = 1e-12, FIRM = 1e-10;
 /* Differences of random motions, whose grains move by about 1, that are 0 but for rounding; and forces likewise. */
-static const double NOTHING = 1e-7;
+static const double NOTHING = 2e-6;
 enum { LANES = SP_LDL_LANES, PASSES = 8, MOST = 8 };
 
 typedef struct mover {
     sp_rigid *r;
     sp_network net; /* springs of stiffness 1 between grains and walls, which are grains behind the others */
     int32_t *row;   /* [n springs] of each of them its spring in r->net */
+    sp_sparse k;
     sp_ldl *factor;
     double top;    /* the size of B^T B */
-    double *v;     /* [LANES][dofs] random motions */
+    double *v, *x; /* [LANES][dofs] random motions; solutions */
     double *force; /* [LANES][springs][MOST] random forces of the rows */
     bool *point;   /* [n] grains whose rotation nothing holds, so that they are points */
     int32_t *up;   /* union-find of grains and walls, then contacts */
@@ -33,8 +34,13 @@ typedef struct mover {
 
 /* ---- the network of unit springs --------------------------------------------------------------------------------- */
 
+/* Lever arms end where the grains meet: with those of the radii, which overlap, two that turn as one body would slip.
+ */
 static sp_spring unit_spring(const sp_rigid *r, int32_t k) {
     sp_spring s = r->net->springs[k];
+    const double shorter = r->net->length[k] / (s.ri + s.rj);
+    s.ri *= shorter;
+    s.rj *= shorter;
     s.j = sp_rigid_end(r->net, &s);
     s.kn = 1;
     s.kt = r->bars[k] > 1;
@@ -83,38 +89,69 @@ static double largest(const sp_sparse *k) {
     return top;
 }
 
-/* Number of eigenvalues below a limit. */
-static sp_status count_below(mover *m, double limit, int64_t *count, sp_error *err) {
-    sp_status status = sp_ldl_factor(m->factor, limit, err);
-    if (status != SP_OK)
-        return status;
-    *count = sp_ldl_negative(m->factor);
-    if (sp_ldl_error(m->factor) < 0.5 * limit)
-        return SP_OK;
-    return sp_fail(err, SP_EREFUSED, "motions: rounding of %.2g does not tell eigenvalues below %.2g",
-                   sp_ldl_error(m->factor), limit);
+static void draw(mover *m, uint64_t seed) {
+    sp_random random = sp_random_make(seed, SP_STREAM_PROBE);
+    for (int64_t k = 0; k < LANES * m->k.n; k++)
+        m->v[k] = sp_random_normal(&random);
 }
 
-static sp_status factor(mover *m, int64_t *floppy, sp_error *err) {
-    sp_sparse k = {0};
-    int64_t firm = 0;
-    sp_status status = sp_network_assemble(&m->net, &k, err);
-    if (status == SP_OK) {
-        hold_walls(m, &k);
-        m->top = largest(&k);
-        status = sp_ldl_make(&k, NULL, &m->factor, err);
+/* b -= (K - sigma) x. */
+static void subtract(const sp_sparse *k, double sigma, const double *x, double *b) {
+    for (int64_t c = 0; c < k->n; c++) {
+        b[c] += sigma * x[c] - k->x[k->p[c]] * x[c];
+        for (int64_t q = k->p[c] + 1; q < k->p[c + 1]; q++) {
+            b[k->i[q]] -= k->x[q] * x[c];
+            b[c] -= k->x[q] * x[k->i[q]];
+        }
     }
-    sp_sparse_free(&k);
+}
+
+/* Factors K - sigma. Its factor is that of K + E - sigma, and for a random b the solution x is mostly in the motions
+ * near sigma: b - (K - sigma) x = E x tells the size of E there, where it matters. The bound of E for all motions,
+ * sp_ldl_error, would refuse large networks. */
+static sp_status factor_at(mover *m, double sigma, sp_error *err) {
+    const int64_t n = m->k.n;
+    double worst = 0;
+    sp_status status = sp_ldl_factor(m->factor, sigma, err);
+    if (status != SP_OK)
+        return status;
+    draw(m, 0);
+    sp_ldl_solve(m->factor, m->v, m->x);
+    for (int lane = 0; lane < LANES; lane++) {
+        subtract(&m->k, sigma, m->x + lane * n, m->v + lane * n);
+        worst = fmax(worst, sp_norm(n, m->v + lane * n) / sp_norm(n, m->x + lane * n));
+    }
+    if (worst <= 0.01 * fabs(sigma))
+        return SP_OK;
+    return sp_fail(err, SP_EREFUSED, "motions: rounding of %.2g does not tell eigenvalues of %.2g from 0", worst,
+                   fabs(sigma));
+}
+
+static sp_status factor(mover *m, int64_t *still, sp_error *err) {
+    int64_t firm = 0;
+    sp_status status = sp_network_assemble(&m->net, &m->k, err);
+    if (status != SP_OK)
+        return status;
+    hold_walls(m, &m->k);
+    m->top = largest(&m->k);
+    m->v = sp_alloc_bare(2 * LANES * (size_t)m->k.n, sizeof *m->v);
+    m->x = m->v + LANES * m->k.n;
+    status = m->v ? sp_ldl_make(&m->k, NULL, &m->factor, err) : sp_fail_memory(err, 16 * LANES * (size_t)m->k.n);
     if (status == SP_OK)
-        status = count_below(m, FIRM * m->top, &firm, err);
-    if (status == SP_OK)
-        status = count_below(m, SOFT * m->top, floppy, err);
-    if (status == SP_OK && firm != *floppy)
-        status = sp_fail(err, SP_EREFUSED,
-                         "motions: %lld stretch contacts so little that rounding does not tell them from %lld that "
-                         "stretch none",
-                         (long long)(firm - *floppy), (long long)*floppy);
-    return status == SP_OK ? sp_ldl_factor(m->factor, -SOFT * m->top, err) : status;
+        status = factor_at(m, FIRM * m->top, err);
+    if (status == SP_OK) {
+        firm = sp_ldl_negative(m->factor);
+        status = factor_at(m, SOFT * m->top, err);
+    }
+    if (status != SP_OK)
+        return status;
+    *still = sp_ldl_negative(m->factor);
+    if (firm != *still)
+        return sp_fail(err, SP_EREFUSED,
+                       "motions: %lld stretch contacts so little that rounding does not tell them from %lld that "
+                       "stretch none",
+                       (long long)(firm - *still), (long long)*still);
+    return factor_at(m, -SOFT * m->top, err);
 }
 
 /* ---- random vectors ---------------------------------------------------------------------------------------------- */
@@ -125,13 +162,10 @@ static int64_t dof_of(const mover *m, const sp_spring *s, int a) {
 }
 
 static void project_motions(mover *m) {
-    const int64_t n = sp_network_dofs(&m->net);
-    sp_random random = sp_random_make(0, SP_STREAM_PROBE);
-    for (int64_t k = 0; k < LANES * n; k++)
-        m->v[k] = sp_random_normal(&random);
+    draw(m, 1);
     for (int pass = 0; pass < PASSES; pass++) {
         sp_ldl_solve(m->factor, m->v, m->v);
-        for (int64_t k = 0; k < LANES * n; k++)
+        for (int64_t k = 0; k < LANES * m->k.n; k++)
             m->v[k] *= SOFT * m->top;
     }
 }
@@ -162,7 +196,7 @@ static void release(const mover *m, const double *v, double *force) {
 
 /* Random normal and tangential forces. */
 static void start_forces(mover *m) {
-    sp_random random = sp_random_make(1, SP_STREAM_PROBE);
+    sp_random random = sp_random_make(2, SP_STREAM_PROBE);
     for (int64_t k = 0; k < (int64_t)LANES * m->net.n_springs; k++) {
         const sp_spring *s = &m->net.springs[k % m->net.n_springs];
         double side[3], *force = m->force + k * MOST;
@@ -334,8 +368,7 @@ static int whole(const sp_rigid *r) {
 }
 
 static sp_status work(mover *m, sp_error *err) {
-    const int64_t n = sp_network_dofs(&m->net), free = (int64_t)m->r->net->n * m->net.dof;
-    int64_t still = 0, moves = free;
+    int64_t still = 0, moves = (int64_t)m->r->net->n * m->net.dof;
     sp_status status = factor(m, &still, err);
     if (status != SP_OK)
         return status;
@@ -343,10 +376,9 @@ static sp_status work(mover *m, sp_error *err) {
         moves += m->r->used >> wall & 1 ? m->net.dim : 0;
     m->r->held = moves - still;
     m->r->floppy = still - whole(m->r);
-    m->v = sp_alloc(LANES * (size_t)n, sizeof *m->v);
     m->force = sp_alloc((size_t)LANES * (size_t)m->net.n_springs * MOST, sizeof *m->force);
-    if (!m->v || !m->force)
-        return sp_fail_memory(err, LANES * (size_t)n * 8);
+    if (!m->force)
+        return sp_fail_memory(err, (size_t)LANES * (size_t)m->net.n_springs * MOST * sizeof *m->force);
     project_forces(m);
     find_redundant(m);
     project_motions(m);
@@ -361,13 +393,14 @@ sp_status sp_rigid_motions(sp_rigid *r, sp_error *err) {
     if (status == SP_OK)
         status = work(&m, err);
     sp_ldl_free(m.factor);
+    sp_sparse_free(&m.k);
     sp_free(m.net.springs);
     sp_free(m.row);
     sp_free(m.point);
     sp_free(m.up);
     sp_free(m.v);
     sp_free(m.force);
-    if (status == SP_OK && !(r->apart > 100 * r->equal))
+    if (status == SP_OK && !(r->apart > 30 * r->equal))
         status = sp_fail(err, SP_EREFUSED,
                          "motions: differences of %.2g and %.2g are too near each other to tell rigid from soft",
                          r->equal, r->apart);
