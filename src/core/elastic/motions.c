@@ -34,11 +34,12 @@ typedef struct mover {
 
 /* ---- the network of unit springs --------------------------------------------------------------------------------- */
 
-/* Lever arms end where the grains meet: with those of the radii, which overlap, two that turn as one body would slip.
- */
+/* Two lever arms together are as long as the contact, or grains that turn as one body would slip. They keep the ratio
+ * of the radii, and at walls, which do not turn, the radius: so that a ring of grains that roll on each other, or on a
+ * wall, like gears does not slip either. */
 static sp_spring unit_spring(const sp_rigid *r, int32_t k) {
     sp_spring s = r->net->springs[k];
-    const double shorter = r->net->length[k] / (s.ri + s.rj);
+    const double shorter = s.j < 0 ? 1 : r->net->length[k] / (s.ri + s.rj);
     s.ri *= shorter;
     s.rj *= shorter;
     s.j = sp_rigid_end(r->net, &s);
@@ -278,7 +279,7 @@ static int32_t carrier(mover *m, int32_t k) {
     double place, turn;
     if (m->point[s->i] && m->point[s->j])
         return m->net.dim == 2 ? m->net.n + m->row[k] : -1;
-    if (m->point[s->i])
+    if (m->point[s->i] || s->j >= m->r->net->n) /* as seen from a wall, which does not turn */
         against(m, s->j, s->i, back, &place, &turn);
     else
         against(m, s->i, s->j, ahead, &place, &turn);
