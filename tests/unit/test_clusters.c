@@ -176,4 +176,67 @@ TEST(test_game_is_generic_rank) {
     }
 }
 
+/* A ring of four rollers has the motion of gears, and no more; with a chord it is rigid for the game, which counts, but
+ * not as it is: the centres keep their places while the rollers turn. Two rigid triangles with a hinge of smooth grains
+ * are two clusters that share a grain. */
+TEST(test_small_networks) {
+    graph g;
+    sp_clusters c;
+    const sp_clusters_options o = sp_clusters_options_default(), real = {SP_CLUSTERS_MOTIONS, 0.99, true};
+    start(&g, true, 4, 1);
+    for (int32_t k = 0; k < 4; k++)
+        add_contact(&g, k < 3 ? k : 0, k < 3 ? k + 1 : 3, true);
+    assert_ok(sp_clusters_make(&g.p, &g.net, &o, &c, &err));
+    assert_int_equal(c.floppy, 1);
+    assert_int_equal(c.count, 0);
+    sp_clusters_free(&c);
+    add_contact(&g, 0, 2, false);
+    assert_ok(sp_clusters_make(&g.p, &g.net, &o, &c, &err));
+    assert_int_equal(c.floppy, 0);
+    assert_int_equal(c.grains[0], 4);
+    sp_clusters_free(&c);
+    const double corner[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    for (int32_t k = 0; k < 5; k++) {
+        sp_spring *s = &g.spring[k];
+        g.length[k] = hypot(corner[s->j][0] - corner[s->i][0], corner[s->j][1] - corner[s->i][1]);
+        s->ri = s->rj = 0.5 * g.length[k];
+        for (int a = 0; a < 2; a++)
+            s->n[a] = (corner[s->j][a] - corner[s->i][a]) / g.length[k];
+    }
+    assert_ok(sp_clusters_make(&g.p, &g.net, &real, &c, &err));
+    assert_int_equal(c.floppy, 1);
+    assert_int_equal(c.redundant_bars, 1);
+    assert_int_equal(c.count, 0);
+    sp_clusters_free(&c);
+    start(&g, false, 5, 1);
+    const int32_t hinge[][2] = {{0, 1}, {1, 2}, {0, 2}, {2, 3}, {3, 4}, {2, 4}};
+    for (int k = 0; k < 6; k++)
+        add_contact(&g, hinge[k][0], hinge[k][1], true);
+    assert_ok(sp_clusters_make(&g.p, &g.net, &o, &c, &err));
+    assert_int_equal(c.floppy, 1);
+    assert_int_equal(c.count, 2);
+    assert_int_equal(c.grains[0] + c.grains[1], 6);
+    assert_int_equal(c.redundant_bars + c.spans[0] + c.wraps[0] + c.free_spins, 0);
+    sp_clusters_free(&c);
+}
+
+TEST(test_packings) {
+    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    sp_network net = default_network(&p);
+    sp_clusters c = sp_clusters_none();
+    sp_clusters_options o = sp_clusters_options_default();
+    for (int method = SP_CLUSTERS_GAME; method <= SP_CLUSTERS_MOTIONS; method++) {
+        o.method = (sp_clusters_method)method;
+        EACH_ALLOCATION_FAILS(10, sp_clusters_make(&p, &net, &o, &c, &err), assert_true(!lacks || !c.bars),
+                              assert_true(lacks || (c.count == 1 && c.spans[0] == 2 && c.wraps[0] == 1)),
+                              sp_clusters_free(&c));
+    }
+    o.sliding_at = NAN;
+    assert_fails(sp_clusters_make(&p, &net, &o, &c, &err), SP_EINVAL, "sliding");
+    o = (sp_clusters_options){.method = (sp_clusters_method)7};
+    assert_fails(sp_clusters_make(&p, &net, &o, &c, &err), SP_EINVAL, "7");
+    sp_network_free(&net);
+    sp_packing_free(&p);
+}
+
 RUN_TESTS(NULL, NULL)
