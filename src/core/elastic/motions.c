@@ -83,8 +83,9 @@ static void hold_walls(const mover *m, sp_sparse *k) {
             k->x[k->p[(int64_t)(m->r->net->n + wall) * dof + a]] = 1;
 }
 
+/* The size of K; of one without springs, 1. */
 static double largest(const sp_sparse *k) {
-    double top = 0;
+    double top = 1;
     for (int64_t c = 0; c < k->n; c++)
         top = fmax(top, k->x[k->p[c]]);
     return top;
@@ -136,8 +137,10 @@ static sp_status factor(mover *m, int64_t *still, sp_error *err) {
     hold_walls(m, &m->k);
     m->top = largest(&m->k);
     m->v = sp_alloc_bare(2 * LANES * (size_t)m->k.n, sizeof *m->v);
+    if (!m->v)
+        return sp_fail_memory(err, 2 * LANES * (size_t)m->k.n * sizeof *m->v);
     m->x = m->v + LANES * m->k.n;
-    status = m->v ? sp_ldl_make(&m->k, NULL, &m->factor, err) : sp_fail_memory(err, 16 * LANES * (size_t)m->k.n);
+    status = sp_ldl_make(&m->k, NULL, &m->factor, err);
     if (status == SP_OK)
         status = factor_at(m, FIRM * m->top, err);
     if (status == SP_OK) {
@@ -157,11 +160,6 @@ static sp_status factor(mover *m, int64_t *still, sp_error *err) {
 
 /* ---- random vectors ---------------------------------------------------------------------------------------------- */
 
-static int64_t dof_of(const mover *m, const sp_spring *s, int a) {
-    const int dof = m->net.dof;
-    return (int64_t)(a < dof ? s->i : s->j) * dof + a % dof;
-}
-
 static void project_motions(mover *m) {
     draw(m, 1);
     for (int pass = 0; pass < PASSES; pass++) {
@@ -171,27 +169,20 @@ static void project_motions(mover *m) {
     }
 }
 
-/* f = B^T force of one lane, or force -= B v. */
-static void transpose(const mover *m, const double *force, double *f) {
+/* f = B^T force, or with `back` force -= B f; of one lane. */
+static void transform(const mover *m, bool back, double *force, double *f) {
     sp_rows rows;
-    memset(f, 0, (size_t)sp_network_dofs(&m->net) * sizeof *f);
+    if (!back)
+        memset(f, 0, (size_t)m->k.n * sizeof *f);
     for (int32_t k = 0; k < m->net.n_springs; k++) {
         const sp_spring *s = &m->net.springs[k];
         sp_network_rows(&m->net, s, &rows);
         for (int q = 0; q < rows.count; q++)
-            for (int a = 0; a < rows.width; a++)
-                f[dof_of(m, s, a)] += force[(int64_t)k * MOST + q] * rows.b[q][a];
-    }
-}
-
-static void release(const mover *m, const double *v, double *force) {
-    sp_rows rows;
-    for (int32_t k = 0; k < m->net.n_springs; k++) {
-        const sp_spring *s = &m->net.springs[k];
-        sp_network_rows(&m->net, s, &rows);
-        for (int q = 0; q < rows.count; q++)
-            for (int a = 0; a < rows.width; a++)
-                force[(int64_t)k * MOST + q] -= rows.b[q][a] * v[dof_of(m, s, a)];
+            for (int a = 0; a < rows.width; a++) {
+                double *one = &force[(int64_t)k * MOST + q];
+                double *two = &f[(int64_t)(a < m->net.dof ? s->i : s->j) * m->net.dof + a % m->net.dof];
+                *(back ? one : two) += rows.b[q][a] * (back ? -*two : *one);
+            }
     }
 }
 
@@ -214,14 +205,14 @@ static void start_forces(mover *m) {
 }
 
 static void project_forces(mover *m) {
-    const int64_t n = sp_network_dofs(&m->net), forces = (int64_t)m->net.n_springs * MOST;
+    const int64_t n = m->k.n, forces = (int64_t)m->net.n_springs * MOST;
     start_forces(m);
     for (int pass = 0; pass < PASSES; pass++) {
         for (int lane = 0; lane < LANES; lane++)
-            transpose(m, m->force + lane * forces, m->v + lane * n);
+            transform(m, false, m->force + lane * forces, m->v + lane * n);
         sp_ldl_solve(m->factor, m->v, m->v);
         for (int lane = 0; lane < LANES; lane++)
-            release(m, m->v + lane * n, m->force + lane * forces);
+            transform(m, true, m->force + lane * forces, m->v + lane * n);
     }
 }
 
@@ -290,7 +281,7 @@ static int32_t carrier(mover *m, int32_t k) {
     return m->point[s->i] ? s->j : s->i;
 }
 
-/* The spin of what a contact moves with, times the length of the contact. */
+/* The spin of what a contact moves with. */
 static void carried_spin(const mover *m, int32_t k, int32_t by, int lane, double spin[3]) {
     const sp_spring *s = &m->net.springs[k];
     const double *i = motion(m, lane, s->i), *j = motion(m, lane, s->j);
