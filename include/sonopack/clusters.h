@@ -31,19 +31,19 @@ typedef struct sp_clusters {
     int32_t *cluster;   /* [springs] of each contact, or -1 */
     int32_t *redundant; /* [springs] 1: a bar of this contact may be removed and nothing more can move (it is part of
                            an overconstrained region); 0: each of its bars holds a motion that no other holds */
-    int32_t *of_grain; /* [n] the cluster of a grain, or -1. Without friction, and where all contacts slide, a grain may
-                          belong to several: the largest */
-    int32_t *grains;   /* [count] grains of each cluster */
-    int32_t *contacts; /* [count] contacts of each cluster */
-    int32_t *spans;    /* [count] bit a: it touches both walls across axis a */
-    int32_t *wraps;    /* [count] bit a: its contacts lead around the period of axis a */
-    int64_t bars_all;  /* number of bars */
+    int32_t *of_grain;  /* [n] the cluster of a grain, or -1. Without friction a grain may belong to several: the
+                           largest */
+    int32_t *grains;    /* [count] grains of each cluster */
+    int32_t *contacts;  /* [count] contacts of each cluster */
+    int32_t *spans;     /* [count] bit a: it touches both walls across axis a */
+    int32_t *wraps;     /* [count] bit a: its contacts lead around the period of axis a */
+    int64_t bars_all;   /* number of bars */
     int64_t redundant_bars; /* bars that may be removed together and nothing more can move */
     int64_t floppy;         /* motions that keep all bars, but for those of all as one body: independent ones */
-    int32_t free_spins;     /* grains that can spin in place: all contacts slide, or, in 3D, two hold it. The game does
-                               not see these motions */
-    double equal;           /* MOTIONS: the largest difference that counts as none, and ... */
-    double apart;           /* the smallest that counts, of random motions. GAME: NAN */
+    int32_t free_spins; /* grains that can spin in place: all contacts slide, or, in 3D, two hold it. The game does not
+                           see these motions; by MOTIONS such a grain is in no cluster */
+    double equal;       /* MOTIONS: the largest difference that counts as none, and ... */
+    double apart;       /* the smallest that counts, of random motions. GAME: NAN */
 } sp_clusters;
 SP_API sp_clusters sp_clusters_none(void);
 

@@ -164,7 +164,8 @@ static void contact_rows(const arguments *a, const sp_network *net, const sp_res
     cli_columns(w, SP_COLUMN_NUMBER, "fn", unit, "ft", unit, NULL);
     for (int32_t k = 0; k < net->n_springs && w->status == SP_OK; k++) {
         const sp_spring *s = &net->springs[k];
-        cli_row(w, s->contact, net->grain[s->i], s->j < 0 ? s->j : net->grain[s->j], r->fn[k], r->ft[k]);
+        cli_put(w, s->contact, net->grain[s->i], s->j < 0 ? s->j : net->grain[s->j], r->fn[k], r->ft[k]);
+        cli_end_row(w);
     }
 }
 

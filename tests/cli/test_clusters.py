@@ -108,7 +108,8 @@ class Dense:
             for a, b in itertools.combinations(at, 2):
                 if np.abs(self.turning(by[a]) - self.turning(by[b])).max(initial=0) < SMALL:
                     join(by[a], by[b])
-        return parts({k: id(group[by[k]]) for k in range(len(by)) if by[k]})
+        held = [not self.turns or all(self.body[end] for end in ends) for ends in self.ends]  # what spins moves with none
+        return parts({k: id(group[by[k]]) for k in range(len(by)) if by[k] and held[k]})
 
 
 def parts(number):
@@ -120,13 +121,13 @@ def parts(number):
 
 def motions():
     several = spun = 0
-    for name, limit, keys in (("plane", 0.45, dict(grains=90, width=8, pressure=1e-4)),
-                              ("low", 0.5, dict(grains=80, cell="periodic", pressure=1e-6, friction=0.1)),
-                              ("box", 0.45, dict(grains=80, cell="box", width=8, friction=0.2)),
-                              ("smooth", 0.99, dict(grains=80, width=8, pressure=1e-6, friction=0)),
-                              ("space", 0.9, dict(dimension=3, grains=90, width=4.8, pressure=1e-5))):
+    for name, limit, least, keys in (("plane", 0.55, 0.3, dict(grains=90, width=8, pressure=1e-4)),
+                                     ("low", 0.5, 1e-4, dict(grains=80, cell="periodic", pressure=1e-6, friction=0.1)),
+                                     ("box", 0.55, 0.1, dict(grains=80, cell="box", width=8, friction=0.2)),
+                                     ("smooth", 0.99, 0.2, dict(grains=80, width=8, pressure=1e-6, friction=0)),
+                                     ("space", 0.9, 1e-4, dict(dimension=3, grains=90, width=4.8, pressure=1e-5))):
         path = pack(f"{name}.h5", seed=3, **keys)
-        own = table("clusters", path, "--method=motions", f"--sliding-at={limit}")
+        own = table("clusters", path, "--method=motions", f"--sliding-at={limit}", f"--threshold={least}")
         dense = Dense(path, own["contact"].astype(int), limit)
         assert np.array_equal(own["bars"], np.where(dense.sticks, dense.dim, 1)), name
         assert parts({k: c for k, c in enumerate(own["cluster"]) if c >= 0}) == dense.clusters(), name

@@ -331,9 +331,12 @@ static sp_status find_clusters(mover *m, sp_error *err) {
         }
     }
     join_at_points(m, by, first, next);
-    for (int32_t k = 0; k < springs; k++)
-        if (by[k] >= 0)
+    for (int32_t k = 0; k < springs; k++) { /* what spins moves with none */
+        const sp_spring *s = &m->net.springs[k];
+        const bool spins = m->net.dof > m->net.dim && (m->point[s->i] || m->point[s->j]);
+        if (by[k] >= 0 && !spins)
             m->r->label[m->row[k]] = sp_rigid_root(m->up, by[k]);
+    }
     sp_free(by);
     return SP_OK;
 }
