@@ -176,6 +176,14 @@ TEST(test_game_is_generic_rank) {
     }
 }
 
+/* Gives a contact its normal and length. */
+static void lay(graph *g, int32_t k, double x, double y) {
+    g->length[k] = hypot(x, y);
+    g->spring[k].n[0] = x / g->length[k];
+    g->spring[k].n[1] = y / g->length[k];
+    g->spring[k].ri = g->spring[k].rj = 0.5 * g->length[k];
+}
+
 /* A ring of four rollers has the motion of gears, and no more; with a chord it is rigid for the game, which counts, but
  * not as it is: the centres keep their places while the rollers turn. Two rigid triangles with a hinge of smooth grains
  * are two clusters that share a grain. */
@@ -196,17 +204,24 @@ TEST(test_small_networks) {
     assert_int_equal(c.grains[0], 4);
     sp_clusters_free(&c);
     const double corner[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
-    for (int32_t k = 0; k < 5; k++) {
-        sp_spring *s = &g.spring[k];
-        g.length[k] = hypot(corner[s->j][0] - corner[s->i][0], corner[s->j][1] - corner[s->i][1]);
-        s->ri = s->rj = 0.5 * g.length[k];
-        for (int a = 0; a < 2; a++)
-            s->n[a] = (corner[s->j][a] - corner[s->i][a]) / g.length[k];
-    }
+    for (int32_t k = 0; k < 5; k++)
+        lay(&g, k, corner[g.spring[k].j][0] - corner[g.spring[k].i][0],
+            corner[g.spring[k].j][1] - corner[g.spring[k].i][1]);
     assert_ok(sp_clusters_make(&g.p, &g.net, &real, &c, &err));
     assert_int_equal(c.floppy, 1);
     assert_int_equal(c.redundant_bars, 1);
     assert_int_equal(c.count, 0);
+    sp_clusters_free(&c);
+    start(&g, true, 3, 1); /* the same with a wall as one of the rollers, and overlaps */
+    for (int32_t k = 0; k < 5; k++) {
+        add_contact(&g, k % 2, k < 2 ? SP_BOTTOM : k < 4 ? 2 : 1, k < 4);
+        lay(&g, k, k < 2 ? 0 : k < 4 ? 0.5 - k % 2 : 1, k < 2 ? -0.499 + 1e-3 * k : k < 4 ? sqrt(0.75) : 0);
+        g.spring[k].ri = 0.5;
+        g.spring[k].rj = k < 2 ? 0 : 0.5;
+    }
+    assert_ok(sp_clusters_make(&g.p, &g.net, &real, &c, &err));
+    assert_int_equal(c.floppy, 1);
+    assert_int_equal(c.redundant_bars, 1);
     sp_clusters_free(&c);
     start(&g, false, 5, 1);
     const int32_t hinge[][2] = {{0, 1}, {1, 2}, {0, 2}, {2, 3}, {3, 4}, {2, 4}};

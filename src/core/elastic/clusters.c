@@ -48,13 +48,17 @@ static int bars_of(const sp_packing *p, const sp_network *net, const sp_clusters
 /* A grain can spin in place if all its contacts slide, or, in 3D, about the line through the only two. */
 static sp_status count_spins(const sp_network *net, sp_clusters *c, sp_error *err) {
     sp_spin *spin = NULL;
-    uint8_t *held = sp_alloc((size_t)net->n, 1);
-    sp_status status = held ? sp_spins_make(net, &spin, err) : sp_fail_memory(err, (size_t)net->n);
-    for (int32_t k = 0; k < net->n_springs && status == SP_OK; k++)
-        for (int end = 0; end < 2 && c->bars[k] > 1; end++)
-            if (end == 0 || net->springs[k].j >= 0)
-                held[end ? net->springs[k].j : net->springs[k].i] = 1;
     double axis[3];
+    uint8_t *held = sp_alloc((size_t)net->n, 1);
+    if (!held)
+        return sp_fail_memory(err, (size_t)net->n);
+    for (int32_t k = 0; k < net->n_springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        held[s->i] = held[s->i] || c->bars[k] > 1;
+        if (s->j >= 0)
+            held[s->j] = held[s->j] || c->bars[k] > 1;
+    }
+    const sp_status status = sp_spins_make(net, &spin, err);
     for (int32_t i = 0; i < net->n && status == SP_OK && net->dof > net->dim; i++)
         c->free_spins += !held[i] || (spin && sp_spin_axis(&spin[i], axis));
     sp_free(spin);
@@ -241,7 +245,7 @@ static sp_status make_arrays(const sp_network *net, sp_clusters *c, sp_error *er
 }
 
 static sp_status find_clusters(const sp_network *net, const sp_clusters_options *opt, sp_clusters *c, sp_error *err) {
-    sp_rigid r = {.net = net, .bars = c->bars, .walls = opt->walls, .label = c->cluster, .redundant = c->redundant};
+    sp_rigid r = {.net = net, .bars = c->bars, .label = c->cluster, .redundant = c->redundant};
     r.equal = r.apart = NAN;
     for (int32_t k = 0; k < net->n_springs; k++) {
         c->cluster[k] = -1;

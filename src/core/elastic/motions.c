@@ -84,7 +84,7 @@ static void hold_walls(const mover *m, sp_sparse *k) {
 }
 
 /* The size of K; of one without springs, 1. */
-static double largest(const sp_sparse *k) {
+static double size_of(const sp_sparse *k) {
     double top = 1;
     for (int64_t c = 0; c < k->n; c++)
         top = fmax(top, k->x[k->p[c]]);
@@ -135,7 +135,7 @@ static sp_status factor(mover *m, int64_t *still, sp_error *err) {
     if (status != SP_OK)
         return status;
     hold_walls(m, &m->k);
-    m->top = largest(&m->k);
+    m->top = size_of(&m->k);
     m->v = sp_alloc_bare(2 * LANES * (size_t)m->k.n, sizeof *m->v);
     if (!m->v)
         return sp_fail_memory(err, 2 * LANES * (size_t)m->k.n * sizeof *m->v);

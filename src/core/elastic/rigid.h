@@ -10,7 +10,6 @@ enum { SP_RIGID_WALLS = 6 };
 typedef struct sp_rigid {
     const sp_network *net;
     const int32_t *bars;    /* [springs] */
-    bool walls;             /* whether contacts with walls count */
     int32_t used;           /* walls that springs lead to, bit -1-wall; 0 without walls */
     int32_t *label;         /* [springs] out: equal for contacts of one cluster, -1 for none; any numbers below
                                n + SP_RIGID_WALLS + springs */
