@@ -123,7 +123,9 @@ static void mark_redundant(game *g) {
     const sp_network *net = g->r->net;
     for (int32_t k = 0; k < g->found; k++) {
         const int32_t v = g->queue[k];
-        for (int32_t q = g->start[v]; g->size[v] == POINT && q < g->start[v + 1]; q++) {
+        if (g->size[v] == BODY)
+            continue;
+        for (int32_t q = g->start[v]; q < g->start[v + 1]; q++) {
             const sp_spring *s = &net->springs[g->touch[q]];
             const int32_t end = sp_rigid_end(net, s), other = s->i == v ? end : s->i;
             if (g->seen[g->size[other] == BODY ? root(g, other) : other] == g->searches)
