@@ -18,7 +18,7 @@ from ._chain import solitary
 from ._column import Column, ColumnRun
 from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, text_of as _text_of
 from ._inference import CODA_CANDIDATE, DESIGN_STEP, Coda, Design, Uncertain, Uncertainty, design, uncertainty
-from ._modes import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, ComplexModes, Continuum, DampedModes, DensityOfStates,
+from ._modes import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, Clusters, ComplexModes, Continuum, DampedModes, DensityOfStates,
                      Dispersion, Harmonic, LocalModuli, Modes, Response, Transmission, WaveSection, free_path, ioffe_regel)
 from ._native import lib as _lib
 from ._network import ENERGY, FLUX, SPRING, Network
@@ -39,7 +39,7 @@ __version__ = _text_of(_lib.sp_version())
 
 __all__ = [
     "AmplitudeEnergy", "AmplitudeFront", "AmplitudeHarmonics", "AmplitudeNumber", "AmplitudePlane",
-    "AmplitudeSecond", "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda",
+    "AmplitudeSecond", "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Clusters", "Coda",
     "CoherentWave", "Column", "ColumnRun", "ComplexModes", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes",
     "DensityOfStates", "Design", "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain",
     "FreePath", "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "LocalModuli", "Material",

@@ -141,6 +141,16 @@ class LocalModuli(_core.NetworkResult, _fields.LocalModuli):
     """Moduli of the parts of a packing. Made by network.local_moduli()."""
 
 
+class Clusters(_fields.Clusters):
+    """Rigid clusters of the contacts. Made by network.clusters()."""
+
+    def __init__(self, network: Network, method: str, sliding_at: float | None, walls: bool) -> None:
+        self.network = network
+        self._c = _core.new("sp_clusters", lib.sp_clusters_free, lib.sp_clusters_none)
+        options = _core.options_of("sp_clusters_options", {"method": method, "sliding_at": sliding_at, "walls": walls})
+        call(lib.sp_clusters_make, network.packing._c, network._c, options, self._c)
+
+
 # ---- spectra ----------------------------------------------------------------------------------------------------------
 
 class DensityOfStates(_core.NetworkResult, _fields.Dos):

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from . import _core, _fields, _place, _records, _sensitivity
 from ._core import Floats, Integers, call, documented
 from ._native import ffi, lib
-from ._modes import (ComplexModes, Continuum, DampedModes, DensityOfStates, Dispersion, Harmonic, LocalModuli, Modes,
-                     Response, Transmission, WaveSection)
+from ._modes import (Clusters, ComplexModes, Continuum, DampedModes, DensityOfStates, Dispersion, Harmonic, LocalModuli,
+                     Modes, Response, Transmission, WaveSection)
 from ._place import Where
 from ._sensitivity import Gradient
 from ._si import InSI
@@ -195,6 +195,11 @@ class Network(_fields.Network):
     def respond(self, load: str, at: int = 0, axis: int = 0) -> Response:
         """The static response to a load: "force" or "swell" at a grain of the network, "dipole" at a spring, "strain"."""
         return Response(self, load, at, axis)
+
+    @documented("sp_clusters_make")
+    def clusters(self, method: str | None = None, *, sliding_at: float | None = None, walls: bool = True) -> Clusters:
+        """Rigid clusters, by the pebble "game" (the default in two dimensions) or by "motions"."""
+        return Clusters(self, method or ("motions" if self.dim == 3 else "game"), sliding_at, walls)
 
     @documented("sp_stability_make")
     def stability(self) -> _records.Stability:

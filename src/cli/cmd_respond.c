@@ -171,7 +171,8 @@ static void contact_rows(const arguments *a, const cli_file *file, const sp_resp
     for (int32_t k = 0; k < net->n_springs && w->status == SP_OK; k++) {
         const sp_spring *s = &net->springs[k];
         sp_response_limits(&file->packing, net, r, k, &opens, &slides);
-        cli_row(w, s->contact, net->grain[s->i], s->j < 0 ? s->j : net->grain[s->j], r->fn[k], r->ft[k], opens, slides);
+        cli_put(w, s->contact, net->grain[s->i], s->j < 0 ? s->j : net->grain[s->j], r->fn[k], r->ft[k], opens, slides);
+        cli_end_row(w);
     }
 }
 

@@ -94,6 +94,8 @@ PLAIN = {
     "chain-soliton": "chain soliton",
     "chain-localisation": "chain localisation --at 1 --grains 1000",
     "respond": "respond {in}/P.h5 --strain yy -o out.tsv",
+    "clusters": "clusters {in}/P.h5 -o out.tsv",
+    "clusters-motions": "clusters {in}/P.h5 --method motions --grains",
     "sensitivity": "sensitivity {in}/P.h5 -o out.tsv",
     "sensitivity-by": "sensitivity {in}/P.h5 --by mass,radius,position --of omega:20",
     "sensitivity-moduli": "sensitivity {in}/P.h5 --of C22 --margin 1",

@@ -110,6 +110,9 @@ KINDS = {
     "grains": Kind("packing", 2, "a packing whose grains are coloured by a table, the second FILE, with the column grain "
                    "and one of factor (sonopack design --rows grains), probability (coda), by_mass or by_radius "
                    "(sensitivity): orange above, blue below", sets="network", axes=False, labels=False, needs=2),
+    "clusters": Kind("packing", 2, "a packing whose contacts are coloured by their rigid cluster, redundant ones thick. A "
+                     "second FILE, a table of `sonopack clusters', is drawn in place of computing them", sets="network",
+                     axes=False, labels=False),
     "transport": Kind("waves", 6, "D and mean free path against frequency from tables of `sonopack transport'"),
     "local": Kind("maps", 1, "a map of the shear moduli of the parts of a packing in two dimensions, from a table of "
                   "`sonopack moduli --probe local:W'", axes=False, labels=False),

@@ -169,6 +169,14 @@ def test_sensitivity_has_symbol_and_unit(flat):
         assert np.all(np.diff(lines.get_linewidths()) >= -1e-12)  # large ones lie on top
 
 
+def test_clusters_have_colours(flat):
+    found = flat.network().clusters(sliding_at=0.3)
+    for ax in (plot.clusters(flat, found), plot.clusters(flat)):
+        lines, texts = only(ax, LineCollection), key_texts(ax)
+        assert "cluster 0" in texts
+    assert np.ptp(lines.get_linewidths()) == 0 and "redundant" in texts  # all is one cluster
+
+
 @pytest.mark.parametrize("quantity, symbol", [("t10", "t_{10}"), ("omega:9", r"\omega_{9}^2"), ("C22", "C_{22}"),
                                               ("omega:3-5", r"\langle\omega^2\rangle"), ("c_l", "c_l")])
 def test_symbols_of_quantities(quantity, symbol):

@@ -117,6 +117,14 @@ def test_respond():
     assert np.allclose(np.linalg.norm(own.force, axis=1)**2, own.fn**2 + own.ft**2)
 
 
+def test_clusters():
+    network = packing().network()
+    for method in ("game", "motions"):
+        all_equal(table("clusters", "P.h5", "--method", method, "--sliding-at", 0.5),
+                  network.clusters(method, sliding_at=0.5), ["bars", "cluster", "redundant"], method)
+    assert np.array_equal(table("clusters", "P.h5", "--grains")["cluster"], network.clusters().of_grain)
+
+
 def test_moduli():
     network = packing().network()
     all_equal(table("moduli", "P.h5"), network.moduli(), ["C11=c11", "C12=c12", "C22=c22", "C33=c33", "c_l", "c_t"], "moduli")
