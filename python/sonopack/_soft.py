@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._core import Floats, Path
+from ._core import Floats, Path, Refused
 from ._network import Network
 from ._packing import Packing, _Cell
 from ._study import Sample
@@ -68,7 +68,7 @@ def _rate(mean: Floats, span: float) -> Floats:
             s = 0.5 * (low + high)
             above = 1 / s - span / np.expm1(s * span) > mean
             low, high = np.where(above, s, low), np.where(above, high, s)
-    return 0.5 * (low + high)  # type: ignore[no-any-return]
+    return 0.5 * (low + high)
 
 
 def _variance(s: float, span: float) -> float:
@@ -98,12 +98,20 @@ def _measured(one: Packing | Sample | Path, lowest: int, words: dict[str, Any]) 
         raise _core.invalid("", f"packing.cell = {packing.cell}: must be periodic, for plane waves to be modes")
     network = packing.network(**words)
     modes = network.modes(lowest=lowest)
-    density = network.mass[:, 0].sum() / packing.volume
-    c_t = float(np.sqrt(max(network.elasticity().shear, 0.0) / density))
+    c_t = _transverse_speed(network)
     waves = _wave_vectors(packing, WAVES_TO * float(modes.omega[-1]) / c_t if c_t > 0 else 0.0)
     first = c_t * float(np.linalg.norm(waves[0])) if c_t > 0 else float("nan")
     return {"omega": modes.omega.copy(), "participation": modes.participation.copy(), "first": first,
             "phonon": _share_of_waves(network, modes.vectors, waves), "dofs": network.dofs}
+
+
+def _transverse_speed(network: Network) -> float:
+    """0 for a network that gives way to a shear: a cell that is kept square or cubic may rest all the same."""
+    try:
+        shear = network.elasticity().shear
+    except Refused:
+        return 0.0
+    return float(np.sqrt(max(shear, 0.0) * network.packing.volume / network.mass[:, 0].sum()))
 
 
 def _wave_vectors(packing: Packing, until: float) -> Floats:
@@ -145,7 +153,8 @@ class SoftModes:
     """
 
     def __init__(self, columns: dict[str, Any]) -> None:
-        self._columns = {name: np.asarray(values) for name, values in columns.items()}
+        self._columns = {name: np.asarray(values, int if name in ("packing", "dofs") else float)
+                         for name, values in columns.items()}
         self.packing, self.omega = self._columns["packing"], self._columns["omega"]
         self.participation, self.phonon = self._columns["participation"], self._columns["phonon"]
         rows = np.unique(self.packing, return_index=True)[1]
@@ -167,15 +176,16 @@ class SoftModes:
     @property
     def is_phonon(self) -> npt.NDArray[np.bool_]:
         """Whether more than half of a mode is plane waves, and its frequency at least half of the first phonon's."""
-        return (self.phonon > 0.5) & ~(self.omega < 0.5 * self._columns["first"])  # type: ignore[no-any-return]
+        return (self.phonon > 0.5) & ~(self.omega < 0.5 * self._columns["first"])
 
     def density(self, edges: npt.ArrayLike, phonons: bool = True) -> tuple[Floats, Floats]:
         """Modes in bins over all modes and the width of the bin, with their standard errors from the scatter of the
         packings. phonons=False: of the others."""
         edge = np.asarray(edges, float)
-        use = np.ones(len(self.omega), bool) if phonons else ~self.is_phonon
-        which = np.unique(self.packing, return_inverse=True)[1]
-        count = np.histogram2d(which[use], self.omega[use], (np.arange(len(self.dofs) + 1) - 0.5, edge))[0]
+        which, place = np.unique(self.packing, return_inverse=True)[1], np.searchsorted(edge, self.omega, "right") - 1
+        use = (place >= 0) & (place < len(edge) - 1) & (phonons | ~self.is_phonon)
+        count = np.zeros((len(self.dofs), len(edge) - 1))
+        np.add.at(count, (which[use], place[use]), 1)
         factor = len(count) / (self.dofs.sum() * np.diff(edge))
         return count.mean(0) * factor, count.std(0, ddof=1) / np.sqrt(len(count)) * factor
 

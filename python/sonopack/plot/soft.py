@@ -52,11 +52,10 @@ def draw(soft: SoftModes, law: PowerLaw, material: Material | None, ax: Any) -> 
     edges = np.geomspace(soft.omega.min() * 0.99, soft.complete, 1 + max(4, int(
         BINS_PER_DECADE * np.log10(soft.complete / soft.omega.min()))))
     middle = rate * np.sqrt(edges[1:] * edges[:-1])
-    for phonons, words in ((True, {"color": GREY, "label": "all modes"}), (False, {"color": ink(1), "hollow": True,
-                                                                                  "label": "no plane waves"})):
-        value, error = soft.density(edges, phonons)
+    for name, colour in (("all modes", GREY), ("no plane waves", ink(1))):
+        value, error = soft.density(edges, phonons=colour == GREY)
         some = value > 0
-        points(axes[0], middle[some], time * value[some], time * error[some], **words)
+        points(axes[0], middle[some], time * value[some], time * error[some], hollow=colour != GREY, color=colour, label=name)
     x = np.geomspace(soft.omega.min(), law.high)
     share = law.modes / soft.dofs.sum() * (law.exponent + 1) / law.high**(law.exponent + 1)
     axes[0].plot(rate * x, time * share * x**law.exponent, color="black",
