@@ -39,15 +39,14 @@ from ._table import Table, quantity
 __version__ = _text_of(_lib.sp_version())
 
 __all__ = [
-    "AmplitudeEnergy", "AmplitudeFront", "AmplitudeHarmonics", "AmplitudeNumber", "AmplitudePlane",
-    "AmplitudeSecond", "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda",
-    "CoherentWave", "Column", "ColumnRun", "ComplexModes", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes",
-    "DensityOfStates", "Design", "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain",
-    "FreePath", "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "Material", "Modes",
-    "Moduli", "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "PowerLaw", "ProbeModuli",
-    "Pulse",
-    "RIGHT", "Refused", "Response", "SPRING", "Sample", "Scene", "Signal", "Solitary", "SoftModes", "SonopackError", "Split", "Spread",
-    "Stability", "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap", "Transmission",
-    "Uncertain", "Uncertainty", "WAVE_FIT", "WaveSection", "ZeroModes", "design", "free_path", "front",
-    "ioffe_regel", "power_law", "quantity", "scene_help", "signal_window", "soft_modes", "solitary", "study", "uncertainty",
+    "AmplitudeEnergy", "AmplitudeFront", "AmplitudeHarmonics", "AmplitudeNumber", "AmplitudePlane", "AmplitudeSecond",
+    "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda", "CoherentWave", "Column",
+    "ColumnRun", "ComplexModes", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes", "DensityOfStates",
+    "Design", "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain", "FreePath", "Front",
+    "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "Material", "Modes", "Moduli", "Network",
+    "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "PowerLaw", "ProbeModuli", "Pulse", "RIGHT",
+    "Refused", "Response", "SPRING", "Sample", "Scene", "Signal", "Solitary", "SoftModes", "SonopackError", "Split",
+    "Spread", "Stability", "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap", "Transmission",
+    "Uncertain", "Uncertainty", "WAVE_FIT", "WaveSection", "ZeroModes", "design", "free_path", "front", "ioffe_regel",
+    "power_law", "quantity", "scene_help", "signal_window", "soft_modes", "solitary", "study", "uncertainty",
 ]

@@ -95,7 +95,7 @@ def test_pooled_counts(tmp_path, monkeypatch):
     soft = sonopack.soft_modes(samples, lowest=20, prestress=True)
     again = sonopack.soft_modes(samples, lowest=20, prestress=True, threads=3).table()
     assert again.text() == soft.table().text()
-    edges = np.linspace(0, soft.complete, 8)
+    edges = np.linspace(0, 0.999 * soft.complete, 8)
     for phonons, use in ((True, soft.omega > 0), (False, ~soft.is_phonon)):
         counts = np.histogram(soft.omega[use], edges)[0]
         assert np.allclose(soft.density(edges, phonons)[0] * np.diff(edges) * soft.dofs.sum(), counts)
