@@ -259,7 +259,7 @@ static sp_status save_stage(const sp_packing *stage, int32_t index, void *user, 
     if (index < scene.pack.history_count) {
         scene.pack.pressure = stage->pressure;
         scene.pack.history_count = index;
-        scene.pack.strain_count = 0;
+        scene.pack.strain_count = scene.pack.stages = 0;
     } else {
         scene.pack.stages = index + 1;
     }
