@@ -341,9 +341,15 @@ static void summary_columns(const sp_scene *scene, cli_writer *w) {
 static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_packing *p, sp_error *err) {
     sp_table t = sp_table_none();
     cli_writer w = {.table = &t, .err = err};
-    const int32_t last = sp_pack_stages(&scene->pack) - 1;
+    char strain[160] = "";
+    const sp_pack_spec *spec = &scene->pack;
+    const int32_t last = sp_pack_stages(spec) - 1;
+    for (int c = 0; c < spec->strain_count; c++)
+        snprintf(strain + strlen(strain), sizeof strain - strlen(strain), "%s%.10g", c ? " " : "", spec->strain[c]);
+    if (spec->strain_count > 0)
+        cli_comment(&w, "path_strain = %s", strain);
     summary_columns(scene, &w);
-    for (int32_t k = 0; k < last && scene->pack.strain_count > 0 && w.status == SP_OK; k++) {
+    for (int32_t k = 0; k < last && spec->strain_count > 0 && w.status == SP_OK; k++) {
         char path[SP_PATH_MAX];
         sp_packing stage = sp_packing_none();
         w.status = stage_path(a->common.output, k, path, err);

@@ -97,6 +97,7 @@ KINDS = {
                  "Rayleigh's alpha = a k^(dimension + 1) through the points with alpha below k/10"),
     "amplitude": Kind("waves", 6, "speed over its linear limit and shares of contacts that opened and slid against "
                       "amplitude, from tables of `sonopack amplitude'; with --omega and --planes F2/F1^2 against height"),
+    "path": Kind("waves", 4, "stresses and change of the volume along a path of strain, from tables of `sonopack pack'"),
     "column": Kind("tapped", 6, "a table of `sonopack column' (trajectory, strobe, lyapunov, bifurcation, compare, density "
                    "or energy); trajectories of lattice, longwave and bsr are drawn as surfaces side by side, two columns "
                    "of print wide, and a bifurcation above a table of lyapunov", ("surface", "column")),

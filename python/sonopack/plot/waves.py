@@ -1,4 +1,5 @@
-"""Figures of tables against frequency, wave number and amplitude: coherent waves, transport of energy, loud fronts."""
+"""Figures of tables against frequency, wave number and amplitude: coherent waves, transport of energy, loud fronts;
+and of paths of strain."""
 from __future__ import annotations
 
 from collections.abc import Sequence
@@ -92,6 +93,7 @@ def _has_errors(one: Input, column: str) -> bool:
 KEYS = {"dimension": "dimensions = {}", "friction": r"$\mu$ = {}", "p": "$p$ = {}{}", "amplitude": "$A$ = {}"}
 FRONTS = ("amplitude", "speed_ratio", "speed_ratio_err", "slid", "opened", "carrying")
 BURSTS = ("y", "ratio", "ratio_err")
+STRESSES = ("s_xx", "s_yy", "s_zz", "s_yz", "s_xz", "s_xy")
 GROUPS_MOST = 18
 
 
@@ -109,6 +111,32 @@ def amplitude(given: Sequence[Input], *, ax: Any = None) -> Any:
     if len(groups) > GROUPS_MOST:
         raise refuse(given[0].name, f"more than {GROUPS_MOST} curves: draw fewer rows, or means (--mean)")
     return _fronts(groups, ax) if shown is FRONTS else _bursts(given, groups, ax)
+
+
+@figure
+def path(given: Sequence[Input], *, ax: Any = None) -> Any:
+    """Stresses, and the change of the volume, along paths of strain, from tables of `sonopack pack`: two Axes. The strain is
+    the largest component of the path's, compression positive."""
+    axes = column_of_panels(2, ax, 0.62)
+    unit, shown = common_unit(given, "s_xx"), STRESSES[:1]
+    for j, (one, name) in enumerate(zip(given, names(given))):
+        tensor = [float(word) for word in one.table.metadata.get("path_strain", "").split()]
+        if not tensor:
+            raise refuse(one.name, "not of a path of strain: `sonopack pack' with packing.path.strain prints one")
+        strain = one.column("strain") * max(tensor, key=abs)
+        stress = {c: one.column(c) for c in STRESSES if c in one.table}
+        largest = max(np.abs(values).max() for values in stress.values())
+        shown = [c for c in STRESSES if c in shown or np.abs(stress.get(c, np.zeros(1))).max() > 1e-4 * largest]
+        for c in shown:
+            axes[0].plot(strain, stress[c], color=ink(STRESSES.index(c)), ls=dash(j))
+        volume = one.column("volume")
+        axes[1].plot(strain, volume / volume[0] - 1, color="black", ls=dash(j), label=name or None)
+    axes[0].set(xlabel="strain", ylabel=label("stress", unit))
+    axes[1].set(xlabel="strain", ylabel="change of the volume")
+    legend(axes[0], [key(color=ink(STRESSES.index(c)), label=rf"$\sigma_{{{c[2:]}}}$") for c in shown])
+    if len(given) > 1:
+        legend(axes[1])
+    return axes
 
 
 def _has_all(one: Input, columns: Sequence[str]) -> bool:

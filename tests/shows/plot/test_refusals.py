@@ -89,7 +89,7 @@ def folder(tmp_path_factory):
     ("pareto c.tsv -o x.svg", 1, "case, method, seconds, error"), ("fronts s.tsv -o x.svg", 1, "sonopack front"),
     ("spectrum c.tsv -o x.svg", 1, "sonopack spectrum"), ("dispersion c.tsv -o x.svg", 1, "polarization"),
     ("wave c.tsv -o x.svg", 1, "sonopack wave"), ("transport c.tsv -o x.svg", 1, "omega"),
-    ("amplitude c.tsv -o x.svg", 1, "sonopack amplitude"), ("modes c.tsv -o x.svg", 1, "no column n"),
+    ("amplitude c.tsv -o x.svg", 1, "sonopack amplitude"), ("path c.tsv -o x.svg", 1, "packing.path.strain"), ("modes c.tsv -o x.svg", 1, "no column n"),
     ("ensemble c.tsv -o x.svg", 1, "no column t"), ("scaling c.tsv -o x.svg", 1, "distance or grains"),
     # packings, motions, maps
     ("grains p.h5 -o x.svg", 2, "needs a packing and a table"),

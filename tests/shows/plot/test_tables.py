@@ -236,6 +236,15 @@ def test_loud_fronts_of_packings_of_one_kind_are_named():
     assert texts(upper) == ["P", "Q"] and len({line.get_color() for line in upper.lines}) > 1
 
 
+def test_paths_of_strain_leave_out_stresses_that_are_none():
+    made = table({"strain": np.array([0, 0.5, 1]), "volume": np.array([50.0, 49, 49.5]), "s_xx": np.full(3, 1e-4),
+                  "s_yy": np.array([1e-4, 2e-4, 3e-4]), "s_xy": np.full(3, 1e-13)}, {"s_xx": "E*"},
+                 metadata={"path_strain": "0 0.02 0"})
+    upper, lower = plot.path(made)
+    assert [line.get_ydata()[-1] for line in upper.lines] == [1e-4, 3e-4] and "E^*" in upper.get_ylabel()
+    assert np.allclose(lower.lines[0].get_xdata(), [0, 0.01, 0.02]) and np.allclose(lower.lines[0].get_ydata(), [0, -0.02, -0.01])
+
+
 def test_the_frontier_joins_the_fastest_methods():
     made = table({"case": np.array(["a"] * 4 + ["b"]), "method": np.array(["m", "m", "scipy x", "auto", "m"]),
                   "seconds": np.array([1.0, 0.1, 0.5, 1e-9, 1.0]), "error": np.array([1e-8, 1e-2, 1e-4, 1e-9, 1.0])})
