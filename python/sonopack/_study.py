@@ -187,8 +187,8 @@ def study(scene: Scene, store: Path | Store, *, jobs: int = 1, threads: int = 1,
     struct = ffi.new("sp_scene *", scene._c[0])
     options = ffi.new("sp_study_options *", {"jobs": jobs, "shard": shard[0], "shards": shard[1], "threads": threads})
     start = None
-    if struct.pack.kind == lib.SP_PACK_FILE:
-        start = Packing.read(text_of(getattr(struct, "from")))
+    if name := text_of(getattr(struct, "from")):
+        start = Packing.read(name)
         call(lib.sp_pack_spec_from, ffi.addressof(struct, "pack"), start._c)
         if not struct.material.young > 0:
             struct.material = start._c.material

@@ -277,11 +277,6 @@ static sp_status check_cell(const sp_scene *scene, sp_error *err) {
                 {SP_WANT_PLANES, "planes"},
                 {SP_WANT_SIGNAL, "signal"},
                 {SP_WANT_PROBES, "probes"}};
-    if (scene->pack.fraction > 0)
-        return sp_fail_key(err, SP_EINVAL, "packing.fraction",
-                           " = %g: must be 0 in a study, whose tables are by packing.pressure; `sonopack pack' makes "
-                           "packings of a fraction",
-                           scene->pack.fraction);
     if (scene->pack.kind == SP_PACK_FILE || scene->pack.cell == SP_CELL_PISTON)
         return SP_OK;
     for (size_t k = 0; k < sizeof wall / sizeof *wall; k++)
@@ -298,7 +293,7 @@ static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_
     sp_status status = cli_read_scene(&a->common, path, scene, err);
     CLI_THEN(status, sp_scene_check_sweeps(scene, err));
     CLI_THEN(status, check_cell(scene, err));
-    if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
+    if (status == SP_OK && scene->from[0]) {
         status = cli_load_start(scene, from, err);
         a->study.from = from;
     }

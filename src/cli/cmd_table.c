@@ -20,13 +20,13 @@ static bool has_rows(const char *table, const sp_sweep *sweep) {
         return true;
     if (strcmp(table, "signal") == 0 || strcmp(table, "spectrum") == 0)
         return false;
-    static const char *const keys[] = {"packing.pressure", "packing.grains", "packing.height", "packing.width",
-                                       "packing.friction"};
+    static const char *const keys[] = {"packing.pressure", "packing.fraction", "packing.stages",  "packing.grains",
+                                       "packing.height",   "packing.width",    "packing.friction"};
     static const char *const means[] = {"ctof", "statics", "moduli", "probes", "ensemble"};
-    size_t count = 5;
+    size_t count = 7;
     for (size_t k = 0; k < sizeof means / sizeof *means; k++)
         if (strcmp(table, means[k]) == 0)
-            count = 3;
+            count = 5;
     for (size_t k = 0; k < count; k++)
         if (strcmp(sweep->key, keys[k]) == 0)
             return true;
