@@ -107,9 +107,10 @@ static sp_status explain_no_means(const sp_sample *row, int64_t samples, const a
         return SP_OK;
     return sp_table_add_comment(t, err, "p = %.6g, %d grains: up to %lld of %lld samples have no %s%s", row->pressure,
                                 row->grains, (long long)most, (long long)samples, list,
-                                a->part == SP_WANT_STATICS ? " (a box below six diameters has no bulk)"
-                                : !(row->friction > 0)     ? " (walls do not grip grains without friction)"
-                                                           : "");
+                                a->part == SP_WANT_STATICS  ? " (a box below six diameters has no bulk)"
+                                : strcmp(list, "K, G") == 0 ? " (of an older version: the study adds them)"
+                                : !(row->friction > 0)      ? " (walls do not grip grains without friction)"
+                                                            : "");
 }
 
 /* Samples that should have the part and do not. */

@@ -376,8 +376,6 @@ sp_sample sp_sample_blank(void) {
                               .error44 = n,
                               .error55 = n,
                               .error66 = n,
-                              .bulk = n,
-                              .shear = n,
                               .error_bulk = n,
                               .error_shear = n}};
     for (int k = 0; k < SP_PROBES; k++)
