@@ -27,6 +27,8 @@ class Sample:
         self.dim, self.grains, self.seed = int(struct.dim), int(struct.grains), int(struct.seed)
         self.width, self.pressure, self.friction = float(struct.width), float(struct.pressure), float(struct.friction)
         self.height = float(struct.height)
+        #: what the scene sets: packing.fraction (0: the pressure), and how far the path of strain is (stage 0: no path)
+        self.fraction, self.stage, self.strain = float(struct.fraction), int(struct.stage), float(struct.strain)
         self.failed = bool(struct.failed)
         self.reason: str = text_of(struct.reason)
 

@@ -400,6 +400,8 @@ const cli_syntax cmd_table_syntax = {
         "statics, moduli, probes: one row per pressure and size with means X, their standard deviation over the "
         "samples X_sd, the standard error X_err, and the confidence interval X_low to X_high; left_out counts the "
         "samples that should have them and do not.\n"
+        "With packing.fraction, or with stages of a history or path of strain, rows are also by fraction, stage and "
+        "strain, and p is a mean with the error p_err.\n"
         "ensemble: one row per sample, with all its results.\n"
         "spectrum: density of states, in modes per grain (without rattlers) and unit of omega, one row per bin, with "
         "standard errors, confidence intervals and the integral from 0; for samples of one pressure and size, made "

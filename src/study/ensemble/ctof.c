@@ -202,11 +202,12 @@ static sp_status add_exponent(sp_table *t, sp_error *err) {
     double *p = memory, *c = memory + rows, *c_err = memory + 2 * rows;
     int64_t n = 0;
     bool errors = true;
+    const bool strained = sp_table_find_column(t, "strain") >= 0; /* then the pressure is not all that changes */
     for (int64_t k = 0; k < t->rows; k++) {
         p[n] = sp_table_number(t, k, 0);
         c[n] = sp_table_number(t, k, 2);
         c_err[n] = sp_table_number(t, k, 3);
-        if (!isfinite(c[n]))
+        if (!isfinite(c[n]) || strained)
             continue;
         errors = errors && c_err[n] > 0;
         n++;
@@ -221,7 +222,8 @@ static sp_status add_exponent(sp_table *t, sp_error *err) {
             status = sp_table_add_comment(t, err, "exponent and its error: c_tof ~ p^exponent, %s",
                                           errors ? "weighted by c_tof_err" : "equal weights, error from the scatter");
     } else {
-        status = sp_table_add_comment(t, err, "exponent = nan (it needs 3 pressures with c_tof)");
+        status = sp_table_add_comment(t, err, "exponent = nan (it needs 3 pressures with c_tof%s)",
+                                      strained ? ", without a path of strain" : "");
     }
     sp_free(memory);
     return status;

@@ -262,8 +262,8 @@ static sp_status ensemble_columns(int64_t n, const sp_sample *const *s, sp_table
     for (int k = 0; k < count && status == SP_OK; k++)
         status = sp_table_add_column(t, q[k].name, q[k].unit, SP_COLUMN_NUMBER, err);
     if (status == SP_OK)
-        status = sp_columns_add(t, ENSEMBLE_LAST, ensemble_last, err);
-    return status == SP_OK ? sp_state_columns(n, s, false, t, err) : status;
+        status = sp_state_columns(n, s, false, t, err);
+    return status == SP_OK ? sp_columns_add(t, ENSEMBLE_LAST, ensemble_last, err) : status;
 }
 
 /* Adds a row with all results of a sample; NAN for missing parts. */
@@ -287,17 +287,17 @@ static sp_status add_sample(const sp_sample *const *one, sp_table *t, sp_error *
     const int count = ensemble_quantities(q, &statics);
     for (int k = 0; k < count; k++)
         row[at++].number = s->have & (k < statics ? SP_WANT_STATICS : SP_WANT_MODULI) ? value_of(s, &q[k]) : NAN;
+    for (int k = 0, last = sp_state_put(1, one, t, state); k < last; k++, at++)
+        if (t->column[at].kind == SP_COLUMN_INTEGER)
+            row[at].integer = (int64_t)state[k];
+        else
+            row[at].number = state[k];
     row[at++].integer = s->dim;
     row[at++].number = s->width;
     row[at++].number = s->friction;
     row[at++].integer = s->failed;
     row[at++].text = (char *)(s->reason[0] ? s->reason : "-"); /* of a failed sample or part */
     row[at++].text = (char *)s->name;
-    for (int k = 0, last = sp_state_put(1, one, t, state); k < last; k++, at++)
-        if (t->column[at].kind == SP_COLUMN_INTEGER)
-            row[at].integer = (int64_t)state[k];
-        else
-            row[at].number = state[k];
     return sp_table_add_cells(t, row, err);
 }
 

@@ -214,7 +214,7 @@ sp_status sp_failure_save(const char *path, const sp_sample *s, sp_error *err) {
     sp_locale locale = sp_locale_enter();
     sp_text_add(&t, "# This sample failed. `sonopack study --retry' tries it again.\nreason = %s\n", reason);
     for (int k = 0; k < KEYS; k++)
-        if (find_key(keys[k], &number, &which) && (k < NEEDED || !sp_is_zero(number.field, s))) {
+        if (find_key(keys[k], &number, &which) && (which < NEEDED || !sp_is_zero(number.field, s))) {
             sp_text_add(&t, "%s = ", keys[k]);
             put_number(&t, s, &number);
             sp_text_add(&t, "\n");
