@@ -90,6 +90,34 @@ typedef struct sp_probe_moduli {
 SP_API sp_status sp_moduli_probe(const sp_network *net, double phi3s, int32_t count, const sp_probe *probe,
                                  sp_moduli *global, sp_probe_moduli *out, sp_error *err);
 
+/* ---- moduli of parts of a packing -------------------------------------------------------------------------------- */
+
+/* Local moduli (Mizuno, Mossa and Barrat, Phys. Rev. E 87, 042306, 2013): local changes of the stress for a strain of
+ * the whole. Equal parallelepipeds, squares or cubes in a cell with right angles, fill the cell; each contact belongs
+ * to them by the lengths of its branch line, from centre to centre or wall, in them. The mean of c over the parts is c
+ * of the whole. Not symmetric, since strains are those of the whole. */
+typedef struct sp_local_moduli {
+    int32_t n;        /* parts; that along x comes first */
+    int strains;      /* 3 in 2D, 6 in 3D, in the order of sp_elasticity */
+    double *x;        /* [n][3] centres of the parts [d] */
+    double *c;        /* [n][strains][strains] stress a due to strain b; NAN where undefined, as in sp_moduli [E*] */
+    double *bulk;     /* [n] K, as in sp_elasticity; with prestress all have the same term of the pressure [E*] */
+    double *shear;    /* [n] G, the same [E*] */
+    double *error;    /* [n] bound of the errors of c; with prestress an estimate of that [E*] */
+    double *grains;   /* [n] grains of the network with their centre in the part */
+    double *contacts; /* [n] contacts, by the parts of their branch lines */
+    double *whole;    /* [strains][strains] c of the whole packing [E*] */
+    double whole_bulk, whole_shear; /* K of the whole packing; G of the whole packing [E*] */
+    double whole_error;             /* bound of the errors of `whole` [E*] */
+    double edge_x, edge_y, edge_z;  /* edge of a part along x; along y; along z: the cell's over a number [d] */
+} sp_local_moduli;
+SP_API sp_local_moduli sp_local_moduli_none(void);
+/* width: the edges are about this [d]. A part without a contact has moduli of 0. SP_EINVAL for a width below the mean
+ * diameter, SP_EREFUSED for a chain, where prestress and friction leave the spin of a sphere free (sp_moduli_make),
+ * and as sp_moduli_make. */
+SP_API sp_status sp_local_moduli_make(const sp_network *net, double width, sp_local_moduli *out, sp_error *err);
+SP_API void sp_local_moduli_free(sp_local_moduli *m);
+
 /* ---- response to a load ------------------------------------------------------------------------------------------ */
 
 typedef enum sp_load_kind {
@@ -112,16 +140,23 @@ typedef struct sp_response {
     double *u; /* [n] displacements, rotations as in the network; where the packing can move as a whole its centre of
                   mass stays */
     double *fn,
-        *ft;      /* [springs] change of the normal force, positive in compression; size of the change of the tangential
-                     force. Of a strain with its affine part, of a dipole without the forces that are applied */
-    double work;  /* half of the load times u: of a strain the nonaffine part of - C V/2 */
-    double error; /* u is exact for a load that differs by this part of it: residual and rounding */
+        *ft; /* [springs] change of the normal force, positive in compression; size of the change of the tangential
+                force. Of a strain with its affine part, of a dipole without the forces that are applied */
+    double *force; /* [springs][3] change of the force on i, of which these are parts */
+    double work;   /* half of the load times u: of a strain the nonaffine part of - C V/2 */
+    double error;  /* u is exact for a load that differs by this part of it: residual and rounding */
 } sp_response;
 SP_API sp_response sp_response_none(void);
 /* One sparse factorization. SP_EINVAL for a load that does not exist. SP_EREFUSED if K is not symmetric, if the load
  * moves what no spring holds, and as sp_moduli_make. */
 SP_API sp_status sp_response_make(const sp_network *net, const sp_load *load, sp_response *out, sp_error *err);
 SP_API void sp_response_free(sp_response *r);
+
+/* The amplitude of the load nearest to 0, of either sign, at which the normal force of a spring is 0, and at which its
+ * forces are at Coulomb's limit |Ft + e dFt| = mu (Fn + e dFn), if it kept responding as it does; INFINITY: none, as of
+ * slides without friction. A contact at the limit slides at 0. p: the packing of the network. */
+SP_API void sp_response_limits(const sp_packing *p, const sp_network *net, const sp_response *r, int32_t spring,
+                               double *opens, double *slides);
 
 /* ---- finite strain ---------------------------------------------------------------------------------------------- */
 

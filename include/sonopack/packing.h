@@ -285,7 +285,7 @@ typedef struct sp_pack_spec {
     sp_tangential tangential;
     double fraction;     /* SP_PACK_MINIMUM: area or volume fraction of the grains, overlaps counted twice; 0: the
                             pressure is given */
-    double law_exponent; /* a of F = 4/3 E12 R12^(2 - a) n^a; other than 3/2 for SP_PACK_MINIMUM alone */
+    double law_exponent; /* a of F = 4/3 E12 R12^(2 - a) n^a; other than 3/2 in periodic cells alone */
     uint64_t content;    /* required sp_packing_hash of the initial packing; 0: any, or none */
 } sp_pack_spec;
 

@@ -4,6 +4,7 @@
  * are in folders of their names: study/ (scenes, studies, files), tapped/ (the tapped column of particles). */
 #include <sonopack/amplitude.h>
 #include <sonopack/chain.h>
+#include <sonopack/clusters.h>
 #include <sonopack/coda.h>
 #include <sonopack/coherent.h>
 #include <sonopack/cost.h>

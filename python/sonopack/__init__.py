@@ -18,8 +18,8 @@ from ._chain import solitary
 from ._column import Column, ColumnRun
 from ._core import FileError, Interrupted, InvalidInput, NoMemory, Refused, SonopackError, Status, text_of as _text_of
 from ._inference import CODA_CANDIDATE, DESIGN_STEP, Coda, Design, Uncertain, Uncertainty, design, uncertainty
-from ._modes import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, ComplexModes, Continuum, DampedModes, DensityOfStates,
-                     Dispersion, Harmonic, Modes, Response, Transmission, WaveSection, free_path, ioffe_regel)
+from ._modes import (CONTINUUM_ROW, DISPERSION_POINT, WAVE_FIT, Clusters, ComplexModes, Continuum, DampedModes, DensityOfStates,
+                     Dispersion, Harmonic, LocalModuli, Modes, Response, Transmission, WaveSection, free_path, ioffe_regel)
 from ._native import lib as _lib
 from ._network import ENERGY, FLUX, SPRING, Network
 from ._packing import BACK, BOTTOM, CONTACT, FRONT, LEFT, RIGHT, TOP, Packing
@@ -31,6 +31,7 @@ from ._records import (AmplitudeEnergy, AmplitudeFront, AmplitudeHarmonics, Ampl
 from ._scene import Scene, scene_help
 from ._sensitivity import Gradient
 from ._signal import Pulse, Signal, front, signal_window
+from ._soft import PowerLaw, SoftModes, power_law, soft_modes
 from ._study import Sample, Store, study
 from ._table import Table, quantity
 
@@ -38,14 +39,15 @@ from ._table import Table, quantity
 __version__ = _text_of(_lib.sp_version())
 
 __all__ = [
-    "AmplitudeEnergy", "AmplitudeFront", "AmplitudeHarmonics", "AmplitudeNumber", "AmplitudePlane",
-    "AmplitudeSecond", "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Coda",
-    "CoherentWave", "Column", "ColumnRun", "ComplexModes", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes",
+    "AmplitudeEnergy", "AmplitudeFront", "AmplitudeHarmonics", "AmplitudeNumber", "AmplitudePlane", "AmplitudeSecond",
+    "Audit", "BACK", "BOTTOM", "CODA_CANDIDATE", "CONTACT", "CONTINUUM_ROW", "Clusters", "Coda", "CoherentWave",
+    "Column", "ColumnRun", "ComplexModes", "Continuum", "DESIGN_STEP", "DISPERSION_POINT", "DampedModes",
     "DensityOfStates", "Design", "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain",
-    "FreePath", "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "Material", "Modes",
-    "Moduli", "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place", "ProbeModuli", "Pulse",
-    "RIGHT", "Refused", "Response", "SPRING", "Sample", "Scene", "Signal", "Solitary", "SonopackError", "Split", "Spread",
-    "Stability", "Statics", "Status", "Store", "StudyProgress", "TOP", "Table", "TappedTap", "Transmission",
-    "Uncertain", "Uncertainty", "WAVE_FIT", "WaveSection", "ZeroModes", "design", "free_path", "front",
-    "ioffe_regel", "quantity", "scene_help", "signal_window", "solitary", "study", "uncertainty",
+    "FreePath", "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "LocalModuli",
+    "Material", "Modes", "Moduli", "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place",
+    "PowerLaw", "ProbeModuli", "Pulse", "RIGHT", "Refused", "Response", "SPRING", "Sample", "Scene", "Signal",
+    "SoftModes", "Solitary", "SonopackError", "Split", "Spread", "Stability", "Statics", "Status", "Store",
+    "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "Uncertain", "Uncertainty", "WAVE_FIT", "WaveSection",
+    "ZeroModes", "design", "free_path", "front", "ioffe_regel", "power_law", "quantity", "scene_help", "signal_window",
+    "soft_modes", "solitary", "study", "uncertainty",
 ]

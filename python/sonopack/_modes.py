@@ -127,6 +127,29 @@ class Response(_fields.Response):
         kind = _core.number_of("sp_load_kind", load, "load")
         call(lib.sp_response_make, network._c, ffi.new("sp_load *", {"kind": kind, "at": at, "axis": axis}), self._c)
 
+    @documented("sp_response_limits")
+    def limits(self) -> tuple[Floats, Floats]:
+        """Amplitudes of the load at which each spring opens, and slides [springs]."""
+        opens, slides, pair = np.empty(self.springs), np.empty(self.springs), ffi.new("double[2]")
+        for k in range(self.springs):
+            lib.sp_response_limits(self.network.packing._c, self.network._c, self._c, k, pair, pair + 1)
+            opens[k], slides[k] = pair[0], pair[1]
+        return opens, slides
+
+
+class LocalModuli(_core.NetworkResult, _fields.LocalModuli):
+    """Moduli of the parts of a packing. Made by network.local_moduli()."""
+
+
+class Clusters(_fields.Clusters):
+    """Rigid clusters of the contacts. Made by network.clusters()."""
+
+    def __init__(self, network: Network, method: str, sliding_at: float | None, walls: bool) -> None:
+        self.network = network
+        self._c = _core.new("sp_clusters", lib.sp_clusters_free, lib.sp_clusters_none)
+        options = _core.options_of("sp_clusters_options", {"method": method, "sliding_at": sliding_at, "walls": walls})
+        call(lib.sp_clusters_make, network.packing._c, network._c, options, self._c)
+
 
 # ---- spectra ----------------------------------------------------------------------------------------------------------
 

@@ -12,8 +12,8 @@ import numpy.typing as npt
 from . import _core, _fields, _place, _records, _sensitivity
 from ._core import Floats, Integers, call, documented
 from ._native import ffi, lib
-from ._modes import (ComplexModes, Continuum, DampedModes, DensityOfStates, Dispersion, Harmonic, Modes, Response,
-                     Transmission, WaveSection)
+from ._modes import (Clusters, ComplexModes, Continuum, DampedModes, DensityOfStates, Dispersion, Harmonic, LocalModuli,
+                     Modes, Response, Transmission, WaveSection)
 from ._place import Where
 from ._sensitivity import Gradient
 from ._si import InSI
@@ -196,6 +196,11 @@ class Network(_fields.Network):
         """The static response to a load: "force" or "swell" at a grain of the network, "dipole" at a spring, "strain"."""
         return Response(self, load, at, axis)
 
+    @documented("sp_clusters_make")
+    def clusters(self, method: str | None = None, *, sliding_at: float | None = None, walls: bool = True) -> Clusters:
+        """Rigid clusters, by the pebble "game" (the default in two dimensions) or by "motions"."""
+        return Clusters(self, method or ("motions" if self.dim == 3 else "game"), sliding_at, walls)
+
     @documented("sp_stability_make")
     def stability(self) -> _records.Stability:
         """Whether any motion grows."""
@@ -266,6 +271,11 @@ class Network(_fields.Network):
         c, error = (np.array([list(row) for row in rows])[:n, :n] for rows in (out.c, out.error))
         numbers = [getattr(out, field.name) for field in dataclasses.fields(Elasticity)[2:]]
         return _core.with_material(Elasticity(c, error, *numbers), self.packing.material)
+
+    @documented("sp_local_moduli_make")
+    def local_moduli(self, width: float) -> LocalModuli:
+        """Moduli of parts that are about this wide, for a strain of the whole."""
+        return LocalModuli(self, float(width))
 
     @documented("sp_moduli_probe")
     def probes(self, probes: Sequence[tuple[str, int]], margin: float = 3.0) -> list[_records.ProbeModuli]:

@@ -104,13 +104,14 @@ enum { CLI_ANY_NUMBER = 1 << 30 };
 
 /* argv[0] is "sonopack NAME". Returns the exit status. */
 typedef int cli_command(int argc, char **argv);
-cli_command cmd_amplitude, cmd_chain, cmd_check, cmd_coda, cmd_column, cmd_completion, cmd_design, cmd_front, cmd_modes,
-    cmd_moduli, cmd_pack, cmd_respond, cmd_sensitivity, cmd_signal, cmd_spectrum, cmd_statics, cmd_study, cmd_table,
-    cmd_uncertainty, cmd_transport, cmd_wave;
-extern const cli_syntax cmd_amplitude_syntax, cmd_chain_syntax, cmd_check_syntax, cmd_coda_syntax, cmd_column_syntax,
-    cmd_completion_syntax, cmd_design_syntax, cmd_front_syntax, cmd_modes_syntax, cmd_moduli_syntax, cmd_pack_syntax,
-    cmd_respond_syntax, cmd_sensitivity_syntax, cmd_signal_syntax, cmd_spectrum_syntax, cmd_statics_syntax,
-    cmd_study_syntax, cmd_table_syntax, cmd_transport_syntax, cmd_uncertainty_syntax, cmd_wave_syntax;
+cli_command cmd_amplitude, cmd_chain, cmd_check, cmd_clusters, cmd_coda, cmd_column, cmd_completion, cmd_design,
+    cmd_front, cmd_modes, cmd_moduli, cmd_pack, cmd_respond, cmd_sensitivity, cmd_signal, cmd_spectrum, cmd_statics,
+    cmd_study, cmd_table, cmd_uncertainty, cmd_transport, cmd_wave;
+extern const cli_syntax cmd_amplitude_syntax, cmd_chain_syntax, cmd_check_syntax, cmd_clusters_syntax, cmd_coda_syntax,
+    cmd_column_syntax, cmd_completion_syntax, cmd_design_syntax, cmd_front_syntax, cmd_modes_syntax, cmd_moduli_syntax,
+    cmd_pack_syntax, cmd_respond_syntax, cmd_sensitivity_syntax, cmd_signal_syntax, cmd_spectrum_syntax,
+    cmd_statics_syntax, cmd_study_syntax, cmd_table_syntax, cmd_transport_syntax, cmd_uncertainty_syntax,
+    cmd_wave_syntax;
 cli_command cmd_dispatch; /* executes `sonopack-NAME' of the Python package */
 /* The same for a rank of an engine, "sonopack NAME", whose libraries shall start no threads. */
 int cmd_engine(const char *name, int argc, char **argv);

@@ -3,13 +3,15 @@
 #include "cli/files.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { PROBES_MAX = 64 };
 
 typedef struct probe {
     const char *text; /* as it was given */
-    bool global;      /* imposed strain; else `probe` */
+    bool global;      /* imposed strain */
+    double width;     /* of parts, of local moduli; 0: `probe`, unless global */
     sp_probe probe;
 } probe;
 
@@ -24,19 +26,21 @@ typedef struct arguments {
     bool whole; /* the table has the whole tensor: of packings without a piston */
 } arguments;
 
-/* "global", "sine:N" or "lines:N". */
+/* "global", "sine:N", "lines:N" or "local:W". */
 static sp_status read_probe(const char *text, probe *out, sp_error *err) {
     const char *colon = strchr(text, ':');
     int64_t n = 0;
     *out = (probe){.text = text, .global = strcmp(text, "global") == 0};
     if (out->global)
         return SP_OK;
+    if (strncmp(text, "local:", 6) == 0)
+        return cli_number("--probe local:W", colon + 1, 1e-3, 1e6, &out->width, err);
     if (strncmp(text, "sine:", 5) == 0)
         out->probe.kind = SP_PROBE_SINE;
     else if (strncmp(text, "lines:", 6) == 0)
         out->probe.kind = SP_PROBE_LINES;
     else
-        return sp_fail(err, SP_EINVAL, "--probe %.60s: must be global, sine:N or lines:N", text);
+        return sp_fail(err, SP_EINVAL, "--probe %.60s: must be global, sine:N, lines:N or local:W", text);
     if (cli_integer("N", colon + 1, 1, 1000000, &n, err) != SP_OK) {
         sp_fail_prefix(err, "--probe %.60s", text);
         return SP_EINVAL;
@@ -65,6 +69,10 @@ static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
     if (a->strains > 0 && a->probes > 0)
         return sp_fail(err, SP_EINVAL, "--strain and --probe cannot be combined: their tables have different columns");
+    for (int k = 0; k < a->probes; k++)
+        if (a->probe[k].width > 0 && (a->probes > 1 || a->common.files > 1))
+            return sp_fail(err, SP_EINVAL, "--probe %.60s: must be the only probe of one packing, whose parts it lists",
+                           a->probe[k].text);
     return SP_OK;
 }
 
@@ -75,7 +83,7 @@ static const cli_option options[] = {
      CLI_FIELD(margin), .high = 1e6},
     {"probe", "KIND",
      "Apparent moduli (repeatable): sine:N, a body force with N half waves between the walls; lines:N, N displaced "
-     "lines of grains, N odd; or global, the imposed strain",
+     "lines of grains, N odd; or global, the imposed strain. local:W, alone: moduli of parts about W d wide",
      .parse = add_probe},
     {"strain", "EPS",
      "Moduli at a finite strain of 1e-12 to 0.01, with the full contact law instead of linear springs (repeatable)",
@@ -96,7 +104,11 @@ const cli_syntax cmd_moduli_syntax = {
         "shear moduli of 23, 13 and 12, c_l = sqrt(C33/Phi3*) and c_t = sqrt((C44+C55)/(2 Phi3*)). Shear moduli along "
         "the walls and c_t are nan without friction, because a smooth wall cannot shear; --probe sine:1 can. c_l and "
         "c_t are nan where the packing is too low to have a bulk (see --margin). With --probe the table has apparent "
-        "moduli on smaller scales, and their ratios to those of the global strain. With --strain it has changes of "
+        "moduli on smaller scales, and their ratios to those of the global strain; with --probe local:W one row for "
+        "each of "
+        "the equal parts of the packing, with the changes of its stress for a strain of the whole: their mean is the "
+        "modulus of the whole, which comments tell with mean and standard deviation (_mean, _sd). With --strain it has "
+        "changes of "
         "stress divided by the strain, for packings that are brought back to equilibrium, and counts the contacts that "
         "slide "
         "or open. --set takes keys of the group network.\n"
@@ -253,6 +265,96 @@ static void probe_rows(const arguments *a, const cli_file *file, double density,
     }
 }
 
+/* ---- --probe local:W: moduli of parts ---------------------------------------------------------------------------- */
+
+/* Components of the tensor, of which strains are those of the whole, so that it is not symmetric. */
+static const char *local_components(int dim) {
+    return dim == 3 ? "C11 C12 C13 C21 C22 C23 C31 C32 C33 C44 C55 C66" : "C11 C12 C21 C22 C33";
+}
+
+static double pure_shear(const double *c) { return 0.25 * (c[0] + c[4] - c[1] - c[3]); }
+
+/* What the comments tell of part q; -1: of the whole. */
+static const char *const local_names[] = {"K", "G", "G_pure", "C33"};
+static double local_value(const sp_local_moduli *m, int which, int32_t q) {
+    const double *c = q < 0 ? m->whole : m->c + (int64_t)q * m->strains * m->strains;
+    switch (which) {
+    case 0: return q < 0 ? m->whole_bulk : m->bulk[q];
+    case 1: return q < 0 ? m->whole_shear : m->shear[q];
+    case 2: return pure_shear(c);
+    default: return c[8];
+    }
+}
+
+/* The modulus of the whole, the mean over the parts, and the standard deviation of the parts. */
+static void local_comments(const sp_local_moduli *m, cli_writer *w) {
+    cli_value(w, "edge_x", m->edge_x);
+    cli_value(w, "edge_y", m->edge_y);
+    if (m->strains == SP_STRAINS_MAX)
+        cli_value(w, "edge_z", m->edge_z);
+    for (int k = 0; k < (m->strains == SP_STRAINS_MAX ? 2 : 4); k++) {
+        double mean = 0, squares = 0;
+        char key[32];
+        for (int32_t q = 0; q < m->n; q++)
+            mean += local_value(m, k, q) / m->n;
+        for (int32_t q = 0; q < m->n; q++)
+            squares += (local_value(m, k, q) - mean) * (local_value(m, k, q) - mean) / m->n;
+        cli_value(w, local_names[k], local_value(m, k, -1));
+        snprintf(key, sizeof key, "%s_mean", local_names[k]);
+        cli_value(w, key, mean);
+        snprintf(key, sizeof key, "%s_sd", local_names[k]);
+        cli_value(w, key, sqrt(squares));
+    }
+    cli_value(w, "C_err", m->whole_error);
+}
+
+static void local_columns(int dim, cli_writer *w) {
+    char name[4] = "";
+    cli_place_columns(w, dim);
+    for (const char *at = local_components(dim); *at; at += strspn(at, " ")) {
+        memcpy(name, at, 3);
+        cli_columns(w, SP_COLUMN_NUMBER, name, "E*", NULL);
+        at += 3;
+    }
+    cli_columns(w, SP_COLUMN_NUMBER, "K", "E*", "G", "E*", NULL);
+    if (dim == 2)
+        cli_columns(w, SP_COLUMN_NUMBER, "G_pure", "E*", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "error", "E*", NULL);
+    cli_columns(w, SP_COLUMN_INTEGER, "grains", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "contacts", "", NULL);
+}
+
+static void local_row(const cli_file *file, const sp_local_moduli *m, int32_t q, cli_writer *w) {
+    const int dim = file->packing.dim;
+    const double *c = m->c + (int64_t)q * m->strains * m->strains;
+    cli_put_text(w, file->path);
+    cli_put(w, file->packing.pressure);
+    cli_put_numbers(w, dim, m->x + 3 * (int64_t)q);
+    for (const char *at = local_components(dim); *at; at += 3, at += strspn(at, " "))
+        cli_put(w, c[(at[1] - '1') * m->strains + at[2] - '1']);
+    cli_put(w, m->bulk[q], m->shear[q]);
+    if (dim == 2)
+        cli_put(w, pure_shear(c));
+    cli_put(w, m->error[q], m->grains[q], m->contacts[q]);
+    cli_end_row(w);
+}
+
+static void local_rows(const arguments *a, const cli_file *file, cli_writer *w) {
+    sp_local_moduli m = sp_local_moduli_none();
+    w->status = sp_local_moduli_make(&file->network, a->probe[0].width, &m, w->err);
+    if (w->status != SP_OK)
+        return;
+    int32_t empty = 0;
+    local_comments(&m, w);
+    for (int32_t q = 0; q < m.n && w->status == SP_OK; q++) {
+        local_row(file, &m, q, w);
+        empty += m.contacts[q] == 0;
+    }
+    if (empty > 0)
+        cli_note(&a->common, "%s: %d of %d parts have no contact, and moduli of 0", file->path, empty, m.n);
+    sp_local_moduli_free(&m);
+}
+
 /* ---- --strain: at a finite strain -------------------------------------------------------------------------------- */
 
 static void strained_row(const cli_file *file, double strain, const sp_finite_strain *s, cli_writer *w) {
@@ -283,6 +385,8 @@ static void strained_rows(const arguments *a, const cli_file *file, cli_writer *
 
 /* ---- the table --------------------------------------------------------------------------------------------------- */
 
+static bool has_parts(const arguments *a) { return a->probes == 1 && a->probe[0].width > 0; }
+
 static bool has_probes(const arguments *a) { return a->probes > 1 || (a->probes == 1 && !a->probe[0].global); }
 
 static void add_columns(const arguments *a, int dim, cli_writer *w) {
@@ -293,6 +397,8 @@ static void add_columns(const arguments *a, int dim, cli_writer *w) {
         cli_quantity_columns(w, sp_moduli_quantities, moduli_of(dim));
         cli_columns(w, SP_COLUMN_INTEGER, "sliding", "", "lost", "", "made", "", NULL);
         cli_columns(w, SP_COLUMN_NUMBER, "residual", "", NULL);
+    } else if (has_parts(a)) {
+        local_columns(dim, w);
     } else if (has_probes(a)) {
         if (a->probes > 1)
             cli_columns(w, SP_COLUMN_TEXT, "probe", "", NULL);
@@ -337,6 +443,8 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
         return w->status;
     if (a->strains > 0)
         strained_rows(a, file, w);
+    else if (has_parts(a))
+        local_rows(a, file, w);
     else if (has_probes(a))
         probe_rows(a, file, s.phi3s, w);
     else

@@ -90,7 +90,10 @@ const cli_syntax cmd_respond_syntax = {
         "of grains and contacts are those of the packing, from 0. Of a strain the displacements are what the grains "
         "add to the affine field (the nonaffine ones), and forces are those of both. Where a packing can move as a "
         "whole, in a periodic cell or between smooth walls, a force is balanced by the opposite one, spread over all "
-        "masses. fn is positive in compression; ft is the size of the change of the tangential force.\n"
+        "masses. fn is positive in compression; ft is the size of the change of the tangential force. opens "
+        "and slides are the amplitudes of the load, of either sign and nearest to 0, at which the linear response "
+        "takes the "
+        "normal force of the contact to 0, and its forces to Coulomb's limit (inf: never).\n"
         "\n"
         "The comment load_error is a bound: the displacements are exact for a load that differs by this part of it. "
         "compliance is the displacement of the load itself, work half of the load times the displacements; of a strain "
@@ -151,20 +154,25 @@ static sp_status find_load(const arguments *a, const cli_file *file, sp_load *lo
 
 static bool is_force(const arguments *a) { return a->kind == SP_LOAD_FORCE || a->kind == SP_LOAD_DIPOLE; }
 
-static void grain_rows(const arguments *a, const sp_network *net, const sp_response *r, cli_writer *w) {
+static void grain_rows(const arguments *a, const cli_file *file, const sp_response *r, cli_writer *w) {
+    const sp_network *net = &file->network;
     const bool forced = is_force(a);
     cli_motion_columns(net, forced ? "1/(E* d)" : "d", forced ? "1/(E* d^2)" : "", w);
     for (int32_t i = 0; i < net->n && w->status == SP_OK; i++)
         cli_motion_row(net, i, r->u + (int64_t)i * net->dof, w);
 }
 
-static void contact_rows(const arguments *a, const sp_network *net, const sp_response *r, cli_writer *w) {
-    const char *unit = is_force(a) ? "" : "E* d^2";
+static void contact_rows(const arguments *a, const cli_file *file, const sp_response *r, cli_writer *w) {
+    const sp_network *net = &file->network;
+    const char *unit = is_force(a) ? "" : "E* d^2", *amplitude = is_force(a) ? "E* d^2" : "";
+    double opens, slides;
     cli_columns(w, SP_COLUMN_INTEGER, "contact", "", "i", "", "j", "", NULL);
-    cli_columns(w, SP_COLUMN_NUMBER, "fn", unit, "ft", unit, NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "fn", unit, "ft", unit, "opens", amplitude, "slides", amplitude, NULL);
     for (int32_t k = 0; k < net->n_springs && w->status == SP_OK; k++) {
         const sp_spring *s = &net->springs[k];
-        cli_row(w, s->contact, net->grain[s->i], s->j < 0 ? s->j : net->grain[s->j], r->fn[k], r->ft[k]);
+        sp_response_limits(&file->packing, net, r, k, &opens, &slides);
+        cli_put(w, s->contact, net->grain[s->i], s->j < 0 ? s->j : net->grain[s->j], r->fn[k], r->ft[k], opens, slides);
+        cli_end_row(w);
     }
 }
 
@@ -184,7 +192,7 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
         cli_value(w, "work", r.work);
     cli_comment(w, "load_error = %.3g", r.error);
     if (w->status == SP_OK)
-        (a->contacts ? contact_rows : grain_rows)(a, &file->network, &r, w);
+        (a->contacts ? contact_rows : grain_rows)(a, file, &r, w);
     sp_response_free(&r);
     return w->status;
 }

@@ -24,6 +24,7 @@ static const cli_command_row commands[] = {
     {"moduli", cmd_moduli, &cmd_moduli_syntax, "elastic moduli and speeds of long waves"},
     {"respond", cmd_respond, &cmd_respond_syntax,
      "displacements and forces of a static load: a force, a strain, a grain"},
+    {"clusters", cmd_clusters, &cmd_clusters_syntax, "rigid clusters of the contacts, redundant ones, floppy motions"},
     {"modes", cmd_modes, &cmd_modes_syntax, "eigenfrequencies, and the weight of each mode in the signal"},
     {"spectrum", cmd_spectrum, &cmd_spectrum_syntax, "density of states, transmission, dispersion, harmonic driving"},
     {"signal", cmd_signal, &cmd_signal_syntax, "force on the top wall after a short pulse at the bottom wall"},

@@ -62,7 +62,7 @@ def manual():
     expect(known <= named, f"the manual page does not know {known - named}")
     expect(named <= known | {"--version"}, f"the manual page names {named - known}, which no command has")
     versions = {re.search(pattern, (SOURCE / name).read_text(), re.M).group(1) for name, pattern in (
-        ("include/sonopack/version.h", r'SONOPACK_VERSION "([^"]+)"'), ("CHANGELOG.md", r"^## (\S+)"),
+        ("include/sonopack/version.h", r'SONOPACK_VERSION "([^"]+)"'), ("CHANGELOG.md", r"^## (\d\S+)"),
         ("CITATION.cff", r"^version: \"?([^\"\s]+)"), ("docs/man/sonopack.1", r'"sonopack ([^"]+)"'))}
     assert versions == {output("--version").split()[-1]}, versions
 

@@ -3,12 +3,14 @@
 usage: test_moduli.py COMMAND SOURCE_DIR
 """
 import os
+import re
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's threads wait for each other where others are at work
 
 import h5py  # noqa: E402
 import numpy as np  # noqa: E402
 
+from cells import lattice, write_packing  # noqa: E402
 from command import MATERIAL, N200, N600, Table, main, pack, refused, run, table, tried  # noqa: E402
 from common import names_all  # noqa: E402
 from network_oracle import network  # noqa: E402
@@ -23,7 +25,7 @@ class Space:
         with h5py.File(path) as file:
             x = file["/particles/grains/position/value"][0]
             radius = file["/particles/grains/radius"][:]
-            self.box = file["/particles/grains/box/edges"][:]
+            edges = file["/particles/grains/box/edges"][:]
             ends = file["/connectivity/contacts"][:]
             if "/sonopack/walls" in file:
                 ends = np.concatenate([ends, file["/sonopack/walls/contacts"][:]])
@@ -32,6 +34,8 @@ class Space:
             friction = float(np.asarray(file["/sonopack/friction"][()]))
             pressure = float(np.asarray(file["/sonopack/pressure"][()]))
         dim = x.shape[1]
+        self.lattice = edges if edges.ndim == 2 else np.diag(edges)
+        self.box = np.diag(self.lattice)
         self.dim, rotations = dim, {2: 1, 3: 3}[dim] if friction > 0 else 0
         self.dof = dim + rotations
         need = 2 if friction > 0 else dim + 1
@@ -53,7 +57,7 @@ class Space:
         self.mass = np.hstack([np.repeat(mass[:, None], dim, 1),
                                np.repeat(0.4 * (mass * self.r**2)[:, None], rotations, 1)]).ravel()
         size = self.dof * len(alive)
-        self.b, self.k, self.gap = [], [], []
+        self.b, self.k, self.gap, self.of, self.start, self.branch = [], [], [], [], [], []
         for c in carrying:
             i, j = ends[c]
             n = normal[c]
@@ -61,6 +65,8 @@ class Space:
             length = radius[i] + arm - overlap[c]
             kn = (np.sqrt(radius[i] * arm / (radius[i] + arm) * overlap[c]) if j >= 0
                   else 2 * np.sqrt(radius[i] * overlap[c]))
+            self.start.append(x[i])
+            self.branch.append(length * n)
             # relative displacement at the contact as a matrix over all degrees of freedom
             d = np.zeros((dim, size))
             d[:, self.dof * row[i]:self.dof * row[i] + dim] -= np.eye(dim)
@@ -82,6 +88,7 @@ class Space:
                     self.b.append(projector @ d)
                     self.gap.append(projector @ affine)
                     self.k += [k] * dim
+                    self.of += [len(self.branch) - 1] * dim
         self.b, self.gap, self.k = np.vstack(self.b), np.vstack(self.gap), np.array(self.k)
         self.matrix = self.b.T @ (self.k[:, None] * self.b)
         self.area = np.prod(self.box[:-1])
@@ -94,8 +101,11 @@ class Space:
     def respond(self, force):
         return self.vectors @ ((self.vectors.T @ force).T / self.squares).T
 
+    def stretch(self):
+        return self.b @ self.respond(-self.b.T @ (self.k[:, None] * self.gap)) + self.gap
+
     def moduli(self):
-        stretch = self.b @ self.respond(-self.b.T @ (self.k[:, None] * self.gap)) + self.gap
+        stretch = self.stretch()
         return self.gap.T @ (self.k[:, None] * stretch) / (self.area * self.box[-1])
 
 
@@ -125,6 +135,63 @@ def places(dim):
     if dim == 2:
         return {"C11": (0, 0), "C12": (0, 1), "C22": (1, 1), "C33": (2, 2)}
     return {f"C{a + 1}{b + 1}": (a, b) for a in range(6) for b in range(a, 6) if a == b or b < 3}
+
+
+def parts(oracle, cells, periodic):
+    """Tensors of the parts [...][a][b], from forces and branch lines of the contacts; a line is cut by each part and its
+    images (Liang and Barsky), as the command, which walks along it, does not."""
+    dim, branch = oracle.dim, np.array(oracle.branch)
+    start, line = (np.array(vectors) @ np.linalg.inv(oracle.lattice) * cells for vectors in (oracle.start, branch))
+    force = np.zeros((len(branch), dim, oracle.gap.shape[1]))
+    for row, (stretch, k) in enumerate(zip(oracle.stretch(), oracle.k)):
+        force[oracle.of[row], row % dim] += k * stretch
+    strains = [(0, 0), (1, 1), (0, 1)] if dim == 2 else [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
+    stress = np.stack([force[:, along] * branch[:, [of]] for along, of in strains], axis=1)
+    out = np.zeros((*cells, *stress.shape[1:]))
+    for at in np.ndindex(*cells):
+        for image in np.ndindex(*np.where(periodic, 3, 1)):
+            low = np.array(at) + np.where(periodic, np.array(image) - 1, 0) * cells - start
+            with np.errstate(divide="ignore"):  # along an edge: infinities of the signs that the place has
+                one, other = low / line, (low + 1) / line
+            inside = np.minimum(one, other).max(axis=1).clip(0), np.maximum(one, other).min(axis=1).clip(None, 1)
+            out[at] += np.tensordot((inside[1] - inside[0]).clip(0), stress, 1)
+    return out / np.prod(oracle.box / cells)
+
+
+def local():
+    """moduli --probe local:W against numpy, within 1e-9 of the largest; its comments, and what is refused."""
+    for width, keys, periodic in ((3, dict(grains=150, width=9, seed=7), (1, 0)),
+                                  (1.5, dict(grains=90, cell="periodic", friction=0, seed=3, protocol="quick"), (1, 1)),
+                                  (2.2, dict(grains=120, cell="box", seed=2, protocol="quick"), (0, 0)),
+                                  (1.9, dict(dim=2, tilt=0.3, cells=7), (1, 1)), (1.7, dict(dim=3, tilt=-0.2, cells=4), (1, 1, 1)),
+                                  (1.9, dict(dimension=3, grains=150, width=5, seed=7, protocol="quick"), (1, 1, 0))):
+        if "tilt" in keys:
+            write_packing(path := "tilted.h5", lattice(**keys))
+        else:
+            path = pack("local.h5", tolerance=1e-9, pressure=1e-3, **keys)
+        oracle, own = Space(path), table("moduli", path, f"--probe=local:{width}")
+        dim = oracle.dim
+        cells = np.maximum(1, np.round(oracle.box / width)).astype(int)
+        c = np.moveaxis(parts(oracle, cells, np.array(periodic, bool)), range(dim), range(dim - 1, -1, -1))
+        c = c.reshape(-1, *c.shape[-2:])  # x first
+        middle = (np.arange(cells[0])[:, None] + 0.5) / cells[0] * oracle.lattice[0] + 0.5 * (oracle.lattice[1:] / cells[1:, None]).sum(0)
+        assert len(own) == np.prod(cells) and np.allclose(own["x"][:cells[0]], middle[:, 0])
+        names = [name for name in own.names if re.fullmatch(r"C\d\d", name)]
+        assert len(names) == (5 if dim == 2 else 12)
+        for name in names:
+            exact = c[:, int(name[1]) - 1, int(name[2]) - 1]
+            assert np.abs(own[name] - exact).max() < 1e-9 * c.max() + own["error"].max(), (keys, name)
+        axial = c[:, :dim, :dim]
+        assert np.allclose(own["K"], axial.sum((1, 2)) / dim**2, atol=1e-9 * c.max())
+        assert own["grains"].sum() == len(oracle.r) and np.isclose(own["contacts"].sum(), len(oracle.branch))
+        for name in ("K", "G"):
+            assert np.isclose(own.note(name), own[name].mean()) and np.isclose(own.note(name + "_sd"), own[name].std())
+        if dim == 2:
+            assert np.allclose(own["G"], 0.5 * (own["G_pure"] + own["C33"]), rtol=1e-9, atol=1e-9 * c.max())
+    for words in (["--probe=local:x"], ["--probe=local:0"], ["--probe=local:3", "--probe=global"], ["--probe=local:3", N600]):
+        refused("local", "moduli", N200, *words)
+    refused("mean diameter", "moduli", N200, "--probe=local:0.9", status=1)
+    assert "no contact" in run("moduli", N200, "--probe=local:1.01").stderr
 
 
 def strain_and_probes():
@@ -269,4 +336,4 @@ def responses():
         refused("", "respond", N200, *word, status=1)
 
 
-main(strain_and_probes, floppy, strained, without_a_value, responses)
+main(strain_and_probes, local, floppy, strained, without_a_value, responses)

@@ -30,7 +30,7 @@ FACTORS = {"d": ("mm", D * 1e3), "1/d": ("1/mm", 1e-3 / D), "E*": ("kPa", MODULU
            "E* d/sqrt(rho d^3)": ("N/(m sqrt(mg))", MODULUS * D * (MASS * 1e6) ** -0.5)}
 SI = {si: factor for si, factor in FACTORS.values()}
 # columns and comments of numbers that have no dimension, and of texts
-PLAIN = re.compile(r"""file|contact|i|j|r[xyz]|fn|ft|probe|reason|verdict|branch|polarization|ok|failed|name|seed|dimension|grains?|samples|left_out|modes|steps|
+PLAIN = re.compile(r"""file|contacts?|opens|slides|i|j|r[xyz]|fn|ft|probe|reason|verdict|branch|polarization|ok|failed|name|seed|dimension|grains?|samples|left_out|modes|steps|
     n|n1|n2|made|lost|sliding|rattlers|negative|flutter|zero|z_star|friction|strain|part|participation|share|min|max|sd|misfit|
     overlap|ratio|alpha|alpha_err|alpha_peak|alpha_peak_err|gamma|gamma_err|speed_over_c_l|k_path(_err)?|plane|below(_err)?|(pulse_)?(along|across|rotation|normal|tangential)(_err)?|C\d\d_((sine|lines)\d_)?ratio(_\w+)?|
     (Phi2|Phi3s?|zs|f0|N_over_p|Z2|Z3|F2S?|s1_over_s2|s[13]2_over_s2|mobilised)(_(sd|err|low|high))?|
@@ -135,6 +135,7 @@ def commands():
             "sensitivity P.h5", "sensitivity S.h5 --of peak --by mass,radius,position",
             "sensitivity P.h5 --of F --at 60 --by pressure", "sensitivity P.h5 --of C22", "sensitivity P.h5 --of omega:100",
             "statics P.h5 S.h5", "moduli P.h5", "moduli S.h5", "moduli P.h5 --probe sine:1 --probe lines:1", "moduli P.h5 --strain 1e-6",
+            "moduli P.h5 --probe local:3", "respond P.h5 --push 30:x --contacts",
             "modes P.h5", "modes P.h5 --band 0.1:0.2", "modes S.h5 --lowest 3", "modes P.h5 --damping 0.1 ", "modes P.h5 --damping gamma:0.02:0.01", "signal P.h5 --damping mass:0.1 --until 60 --points 30",
             "modes P.h5 --prestress", "respond P.h5 --push 30:y", "respond P.h5 --strain yy", "respond P.h5 --swell 30 --contacts",
             "modes P.h5 --stability --prestress", "modes P.h5 --frequencies-only", "signal P.h5", "signal S.h5 --planes 2",

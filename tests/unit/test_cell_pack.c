@@ -78,6 +78,31 @@ TEST(test_strain_rate) {
     assert_true(steps[1] < steps[2] && steps[2] < steps[0]);
 }
 
+/* Forces by other powers of the overlap, with friction. */
+TEST(test_laws) {
+    static const double exponents[] = {1, 1.25, 2, 3};
+    for (int k = 0; k < 8; k += SANITIZED_STEP(3)) {
+        const double a = exponents[k / 2], eta = contact_eta(0.3);
+        sp_pack_spec s = small(2 + k % 2, SP_CELL_PERIODIC, 0.4);
+        double stress[6], sheared = 0;
+        s.law_exponent = a;
+        s.poisson = 0.3;
+        s.pressure = 1e-3;
+        FREED(sp_packing) p = make(&s, NULL);
+        stress_of(&p, stress);
+        assert_relative((stress[0] + stress[1] + stress[2]) / s.dim, s.pressure, 2e-6);
+        for (int32_t c = 0; c < p.n_contacts; c++) {
+            const sp_contact *t = &p.contacts[c];
+            const double r = p.r[t->i] * p.r[t->j] / (p.r[t->i] + p.r[t->j]);
+            assert_relative(t->fn, 2.0 / 3 * pow(r, 2 - a) * pow(t->overlap, a), 1e-12);
+            assert_relative(t->kn, a * t->fn / t->overlap, 1e-12);
+            assert_relative(t->kt, eta * t->kn, 1e-12);
+            sheared += sqrt(t->ft[0] * t->ft[0] + t->ft[1] * t->ft[1] + t->ft[2] * t->ft[2]);
+        }
+        assert_true(sheared > 0.02 * p.n_contacts * s.pressure);
+    }
+}
+
 /* Every component that the cell controls; with shear stress the cell is tilted. */
 TEST(test_stress) {
     static const double plane[] = {1e-4, 1.2e-4, 1e-5}, flat[] = {1e-4, 1.2e-4, 0},

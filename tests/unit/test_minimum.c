@@ -226,9 +226,9 @@ TEST(test_refusals) {
     assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.cell");
     s = spec_of(2, 1);
     s.kind = SP_PACK_PISTON;
+    s.cell = SP_CELL_BOX;
     assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.law.exponent");
-    s.law_exponent = 1.5;
-    s.kind = SP_PACK_MINIMUM;
+    s = spec_of(2, 1.5);
     s.protocol = SP_PROTOCOL_QUICK;
     assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.protocol");
     s = spec_of(2, 1);

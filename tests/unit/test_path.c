@@ -65,7 +65,7 @@ static sp_pack_spec spec_of(int dim, bool rough) {
     s.friction = rough ? 20 : 0; /* so that nothing slides */
     s.pressure = 1e-3;
     s.tolerance = rough ? 1e-10 : 0;
-    s.law_exponent = rough || dim == 2 ? 1.5 : 1;
+    s.law_exponent = rough == (dim == 2) ? 1 : 1.5;
     s.seed = 4;
     return s;
 }

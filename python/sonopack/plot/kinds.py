@@ -55,7 +55,8 @@ OPTIONS = {
                      whole(2, 100000)),
     "from": Option("T", "--frames: time of the first frame (0)", number(0, 1e9), _TIME),
     "to": Option("T", "--frames: time of the last frame (4.3 H (p/1e-4)^(-1/6))", number(0, 1e9), _TIME),
-    "table": Option("FILE", "write the displacements to this table too (.tsv, .csv, .json)"),
+    "table": Option("FILE", "write the displacements (softmodes: the modes) to this table too (.tsv, .csv, .json)"),
+    "lowest": Option("K", "modes of each packing (30)", whole(3, 10**6)),
     "signal": Option("FILE", "a signal or packing, drawn in an inset that explains the marks of the front"),
     "surface": Option(None, "draw a trajectory or densities as a surface over particle and time"),
     "published": Option(None, "draw the published line even over data that do not say that they are two-dimensional"),
@@ -103,6 +104,9 @@ KINDS = {
                  "FILE, of `sonopack modes --vectors' (HDF5 or table) or a table of --table, is drawn in place of "
                  "computing the mode", ("mode", "frames", "table"), "network", axes=False, labels=False),
     "modes": Kind("spectra", 6, "omega^2 and a b against n, from tables of `sonopack modes'"),
+    "softmodes": Kind("soft", ANY, "density of the lowest modes of many periodic packings, or of a table of --table, with "
+                      "the power law of those that are no plane waves, and their participation ratios; the dotted line "
+                      "is the first phonon", ("store", "lowest", "table"), "network", labels=False, needs=0),
     "sensitivity": Kind("packing", 2, "a packing with what each contact does to the arrival t10 when it becomes stiffer, "
                         "as the width of its line (growing as the root) and its colour: orange, the arrival is later; "
                         "blue, it is earlier. A second FILE, a table of `sonopack sensitivity --by kn,kt', is drawn in "
@@ -110,7 +114,12 @@ KINDS = {
     "grains": Kind("packing", 2, "a packing whose grains are coloured by a table, the second FILE, with the column grain "
                    "and one of factor (sonopack design --rows grains), probability (coda), by_mass or by_radius "
                    "(sensitivity): orange above, blue below", sets="network", axes=False, labels=False, needs=2),
+    "clusters": Kind("packing", 2, "a packing whose contacts are coloured by their rigid cluster, redundant ones thick. A "
+                     "second FILE, a table of `sonopack clusters', is drawn in place of computing them", sets="network",
+                     axes=False, labels=False),
     "transport": Kind("waves", 6, "D and mean free path against frequency from tables of `sonopack transport'"),
+    "local": Kind("maps", 1, "a map of the shear moduli of the parts of a packing in two dimensions, from a table of "
+                  "`sonopack moduli --probe local:W'", axes=False, labels=False),
     "spectrogram": Kind("maps", 1, "the power of a signal over time and frequency, with the ridge of the largest power, "
                         "from what `signal' takes", sets="network signal", labels=False),
 }

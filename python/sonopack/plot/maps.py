@@ -106,6 +106,31 @@ def _grid(one: Input, k: Floats, omega: Floats, s: Floats) -> tuple[Floats, Floa
     return x, y, grid
 
 
+# ---- local moduli ---------------------------------------------------------------------------------------------------
+
+@figure
+def local(given: Sequence[Input], *, ax: Any = None) -> Any:
+    """The shear moduli of the parts of a packing in two dimensions, from a table of `sonopack moduli --probe local:W'."""
+    one = given[0]
+    why = "a map needs x, y and G of a packing in two dimensions, as `sonopack moduli --probe local:W' prints them"
+    x, y, shear = (one.column(name, why) for name in ("x", "y", "G"))
+    if "z" in one.table:
+        raise refuse(one.name, why)
+    rows = len(np.unique(y))
+    columns = len(x) // rows
+    if rows * columns != len(x) or not np.all(np.isfinite(shear)):
+        raise refuse(one.name, "G must be a finite number for each part")
+    edges = np.array([one.table.number("edge_x"), one.table.number("edge_y")])
+    lean = x[columns] - x[0] if rows > 1 else 0.0  # of the parts of a tilted cell
+    i, j = np.arange(columns + 1), np.arange(rows + 1)[:, None]
+    axes = panels(1, 1, ax=ax, aspect=0.85)
+    cells = axes[0, 0].pcolormesh(x[0] + (i - 0.5) * edges[0] + (j - 0.5) * lean, y[0] + (j - 0.5) * edges[1] + 0 * i,
+                                  shear.reshape(rows, columns), rasterized=True)
+    axes[0, 0].set(aspect="equal", xlabel=label("$x$", one.table.units["x"]), ylabel=label("$y$", one.table.units["y"]))
+    axes[0, 0].figure.colorbar(cells, ax=axes[0, 0], pad=0.02).set_label(label("$G$", one.table.units["G"]), fontsize=7)
+    return axes[0, 0]
+
+
 # ---- signals --------------------------------------------------------------------------------------------------------
 
 PANELS_MOST = 6

@@ -12,6 +12,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import ListedColormap, LogNorm, Normalize, to_rgb
 
 from .._core import Floats, invalid
+from .._modes import Clusters
 from .._network import Network
 from .._packing import Packing
 from .._records import Material
@@ -186,6 +187,40 @@ def spread(one: Input, numbers: Floats, values: Floats, count: int, what: str) -
     found = np.full(count, np.nan)
     found[numbers.astype(int)] = values
     return found
+
+
+# ---- rigid clusters ------------------------------------------------------------------------------------------------
+
+FEW = 6  # clusters with colours of their own
+
+
+@figure
+def clusters(given: Sequence[Input], *, ax: Any = None, scene: Scene | None = None) -> Any:
+    """A packing whose contacts are coloured by their rigid cluster, the largest ones; redundant contacts are thick lines.
+    data: a packing, and a table of `sonopack clusters' or Clusters (of network.clusters()); without these the pebble
+    game (in three dimensions the motions) is computed."""
+    packing, made = packing_of(given[0]), given[-1]
+    if made.is_packing or isinstance(made.source, Network):
+        made = Input(network_of(packing, scene).clusters(), None, given[0].material)
+    if isinstance(made.source, Clusters):
+        contact, cluster, redundant = made.source.network.springs["contact"], made.source.cluster, made.source.redundant
+    else:
+        hint = "a table of `sonopack clusters' has contact, cluster, redundant"
+        contact, cluster, redundant = (made.column(name, hint) for name in ("contact", "cluster", "redundant"))
+    number_of = spread(made, contact, cluster, len(packing.contacts), "contact")
+    thick = spread(made, contact, redundant, len(packing.contacts), "contact")
+    order = np.flatnonzero(np.isfinite(number_of))[::-1]
+    colour = [to_rgb(ink(1 + k)) for k in range(FEW)] + [to_rgb("0.45"), to_rgb("0.75")]
+    paint = np.where(number_of < 0, FEW + 1, np.minimum(number_of, FEW))[order].astype(int)
+    found, rattlers = views(packing, ax), packing.rattlers(threshold_of(scene))
+    widths = np.where(thick[order] > 0, 0.16, 0.06) * found[0].diameter * found[0].points
+    for view in found:
+        view.grains(grey_grains(packing, rattlers))
+        view.links(packing.contacts[order], widths, np.array(colour)[paint])
+    words = [*(f"cluster {k}" for k in range(FEW)), "other clusters", "in none"]
+    entries = [key(color=colour[k], lw=2, label=words[k]) for k in range(FEW + 2) if np.any(paint == k)]
+    entries += [key(color=colour[-2], lw=widths.max(), label="redundant")] if np.any(thick > 0) else []
+    return finish(found, [*entries, rattler_entry(int(rattlers.sum()))])
 
 
 # ---- grains ---------------------------------------------------------------------------------------------------------

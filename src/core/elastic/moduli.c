@@ -76,7 +76,7 @@ static void find_anisotropy(int dim, double p, sp_elasticity *e) {
 }
 
 /* The whole tensor, and its isotropic part. */
-static void isotropic_part(const sp_network *net, const sp_stiffness *s, sp_elasticity *out) {
+void sp_elasticity_from(const sp_network *net, const sp_stiffness *s, sp_elasticity *out) {
     const int dim = net->dim, strains = dim == 3 ? STRAINS_3D : dim == 2 ? STRAINS : 1;
     const int first = dim == 1 ? STRAIN_22 : 0;
     sp_elasticity e = {.strains = strains, .residual = s->residual};
@@ -209,19 +209,28 @@ static sp_status find_mechanisms(const sp_network *net, sp_stiffness *c, sp_erro
     return SP_OK;
 }
 
-static sp_status compute_stiffness(sp_equilibrium *e, sp_stiffness *out, sp_error *err) {
-    const size_t sets = e->net->carried ? 2 : 1;
-    const size_t size = (4 + sets * (size_t)sp_strain_count(e->net)) * (size_t)sp_network_dofs(e->net);
+size_t sp_stiffness_work(const sp_network *net) {
+    const size_t sets = net->carried ? 2 : 1;
+    return (4 + sets * (size_t)sp_strain_count(net)) * (size_t)sp_network_dofs(net);
+}
+
+sp_status sp_stiffness_of(sp_equilibrium *e, double *work, sp_stiffness *out, sp_error *err) {
     sp_stiffness c = {0};
-    double *work = sp_alloc(size, sizeof *work);
-    if (!work)
-        return sp_fail_memory(err, size * sizeof *work);
     sp_status status = strain_all(e, work, &c, err);
     if (status == SP_OK)
         status = find_mechanisms(e->net, &c, err);
-    sp_free(work);
     if (status == SP_OK)
         *out = c;
+    return status;
+}
+
+static sp_status compute_stiffness(sp_equilibrium *e, sp_stiffness *out, sp_error *err) {
+    const size_t size = sp_stiffness_work(e->net);
+    double *work = sp_alloc(size, sizeof *work);
+    if (!work)
+        return sp_fail_memory(err, size * sizeof *work);
+    sp_status status = sp_stiffness_of(e, work, out, err);
+    sp_free(work);
     return status;
 }
 
@@ -281,7 +290,7 @@ sp_status sp_elasticity_make(const sp_network *net, double phi3s, sp_moduli *mod
         return status;
     if (moduli)
         sp_moduli_from_stiffness(net, phi3s, &s, moduli);
-    isotropic_part(net, &s, out);
+    sp_elasticity_from(net, &s, out);
     return SP_OK;
 }
 

@@ -86,7 +86,7 @@ static void find_forces(const sp_network *net, const sp_load *load, sp_response 
     double stretch[SP_ROWS_MAX];
     sp_rows rows;
     for (int32_t k = 0; k < net->n_springs; k++) {
-        double sides = 0;
+        double sides = 0, *force = r->force + 3 * (int64_t)k;
         sp_network_rows(net, &net->springs[k], &rows);
         own_stretch(net, load, k, &rows, stretch);
         for (int q = 0; q < rows.count; q++) {
@@ -94,6 +94,8 @@ static void find_forces(const sp_network *net, const sp_load *load, sp_response 
                 stretch[q] += rows.b[q][a] * r->u[sp_strain_index(net, &net->springs[k], a)];
             if (q > 0)
                 sides += rows.k[q] * stretch[q] * rows.k[q] * stretch[q];
+            for (int a = 0; a < net->dim; a++)
+                force[a] += rows.k[q] * stretch[q] * rows.gap[q][a];
         }
         r->fn[k] = -rows.k[0] * stretch[0];
         r->ft[k] = sqrt(sides);
@@ -146,6 +148,38 @@ static sp_status respond(sp_equilibrium *e, const sp_load *load, sp_response *r,
     return status;
 }
 
+/* ---- limits of the contacts -------------------------------------------------------------------------------------- */
+
+/* The root nearest to 0 of a e^2 + 2 b e + c, c < 0, and of the normal force n + e dn: the other sheet of the cone lies
+ * behind that, and both forces of a grain with two contacts keep their directions, so that they pass through the tip.
+ */
+static double nearest_exit(double a, double b, double c, double n, double dn) {
+    const double q = -(b + copysign(sqrt(fmax(0, b * b - a * c)), b)), roots[2] = {q / a, c / q};
+    double nearest = dn == 0 ? INFINITY : -n / dn;
+    for (int k = 0; k < 2; k++)
+        if (fabs(roots[k]) < fabs(nearest))
+            nearest = roots[k];
+    return nearest;
+}
+
+void sp_response_limits(const sp_packing *p, const sp_network *net, const sp_response *r, int32_t spring, double *opens,
+                        double *slides) {
+    const sp_contact *c = &p->contacts[net->springs[spring].contact];
+    const double *n = net->springs[spring].n, *force = r->force + 3 * (int64_t)spring, mu = p->friction;
+    const double dn = r->fn[spring], ft = length3(c->ft);
+    double change[3];
+    for (int a = 0; a < 3; a++)
+        change[a] = force[a] + dn * n[a];
+    const double off = (ft - mu * c->fn) * (ft + mu * c->fn);
+    *opens = dn == 0 ? INFINITY : -c->fn / dn;
+    *slides = mu == 0    ? INFINITY
+              : off >= 0 ? 0
+                         : nearest_exit(dot3(change, change) - mu * mu * dn * dn,
+                                        dot3(c->ft, change) - mu * mu * c->fn * dn, off, c->fn, dn);
+}
+
+/* ---- a response -------------------------------------------------------------------------------------------------- */
+
 sp_response sp_response_none(void) { return (sp_response){0}; }
 
 void sp_response_free(sp_response *r) {
@@ -161,12 +195,13 @@ sp_status sp_response_make(const sp_network *net, const sp_load *load, sp_respon
         status = sp_equilibrium_make(net, &e, err);
     if (status == SP_OK)
         status = check_load(net, load, e.grips, err);
-    const size_t size = (size_t)r.n + 2 * (size_t)r.springs;
+    const size_t size = (size_t)r.n + 5 * (size_t)r.springs;
     if (status == SP_OK && !(r.u = sp_alloc(size, sizeof *r.u)))
         status = sp_fail_memory(err, size * sizeof *r.u);
     if (status == SP_OK) {
         r.fn = r.u + r.n;
         r.ft = r.fn + r.springs;
+        r.force = r.ft + r.springs;
         status = respond(&e, load, &r, err);
     }
     sp_equilibrium_free(&e);

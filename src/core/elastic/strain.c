@@ -123,6 +123,32 @@ void sp_strain_stresses(const sp_network *net, int strain, const double *u, sp_s
     out->wall[strain] = net->cell == SP_CELL_PERIODIC ? NAN : wall / sp_strain_area(net);
 }
 
+void sp_strain_part_of(const sp_network *net, int32_t spring, int strain, const double *u, sp_strain_part *out) {
+    const sp_spring *s = &net->springs[spring];
+    terms t;
+    double gap[STRAINS_3D][3];
+    terms_of(net, spring, &t);
+    for (int b = 0; b < sp_strain_count(net); b++) {
+        sp_strain_displacement(net, b, s->n, net->length[spring], gap[b]);
+        out->stress[b] = out->size[b] = out->affine[b] = 0;
+    }
+    for (int q = 0; q < t.count; q++) {
+        const term *e = &t.at[q];
+        double stretch = dot3(e->right_gap, gap[strain]), size = sizes3(e->right_gap, gap[strain]);
+        for (int a = 0; a < t.width; a++) {
+            const double moved = e->right[a] * u[sp_strain_index(net, s, a)];
+            stretch += moved;
+            size += fabs(moved);
+        }
+        for (int b = 0; b < sp_strain_count(net); b++) {
+            const double lever = dot3(e->left_gap, gap[b]);
+            out->stress[b] += e->k * stretch * lever;
+            out->size[b] += fabs(e->k) * size * sizes3(e->left_gap, gap[b]);
+            out->affine[b] += fabs(e->k) * lever * lever;
+        }
+    }
+}
+
 void sp_strain_rounding(const sp_network *net, int strain, const double *u, double *size, double *sum) {
     const int strains = sum ? sp_strain_count(net) : 0;
     terms t;

@@ -44,6 +44,12 @@ double sp_strain_load_transposed(const sp_network *net, int strain, double *f);
 /* Stresses, sum of F d/V over all springs, at the displacement u in addition to the affine one: column `strain` of
  * out->c, and out->wall. */
 void sp_strain_stresses(const sp_network *net, int strain, const double *u, sp_stiffness *out);
+/* What one spring adds to the sum of F d of each stress, and for bounds of errors: to the sums of absolute values, of
+ * which rounding is a part, and of k d^2, which bounds what forces do to the sum. */
+typedef struct sp_strain_part {
+    double stress[STRAINS_3D], size[STRAINS_3D], affine[STRAINS_3D];
+} sp_strain_part;
+void sp_strain_part_of(const sp_network *net, int32_t spring, int strain, const double *u, sp_strain_part *out);
 /* Sums of absolute values, for bounds of rounding errors. size[i]: of the terms of (K u - f)_i; sum[a]: of the terms of
  * the stress, sum of k d_a (d + B u); may be NULL. strain < 0: without the affine field. */
 void sp_strain_rounding(const sp_network *net, int strain, const double *u, double *size, double *sum);

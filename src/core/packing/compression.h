@@ -70,7 +70,9 @@ bool sp_compression_driven(const compression *run);
 
 /* Stiffness of a packing against the strain of one edge. Measured: 0.2 .. 0.35 p^(1/3), largest for frictionless
  * grains. */
-static inline double compression_stiffness(double pressure) { return 0.3 * cbrt(pressure); }
+static inline double compression_stiffness(double pressure, double exponent) {
+    return 0.3 * (exponent == 1.5 ? cbrt(pressure) : pow(pressure, 1 - 1 / exponent));
+}
 
 sp_status sp_state_save(compression *run, sp_error *err);
 /* Restores *run from hooks->state. *run has `whole` and `hooks` only. SP_EFORMAT, SP_ENOMEM. */

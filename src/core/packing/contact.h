@@ -27,6 +27,23 @@ static inline double contact_force(double e, double overlap) { return 4.0 / 3.0 
 /* Normal stiffness k_n = dF_n/dn = 2 E12 sqrt(R12 n). */
 static inline double contact_normal_stiffness(double e, double overlap) { return 2.0 * e * sqrt(overlap); }
 
+/* n^a without pow where a is a multiple of 1/2, so that packings are the same on all machines. */
+static inline double contact_power(double overlap, double a) {
+    const int halves = (int)(2 * a);
+    if (2 * a != halves)
+        return pow(overlap, a);
+    double product = halves % 2 == 0 ? 1 : sqrt(overlap);
+    for (int k = 0; k < halves / 2; k++)
+        product *= overlap;
+    return product;
+}
+
+/* Of the law F = c n^a between two grains: c = 4/3 E12 R12^(2 - a), which is Hertz's for a = 3/2. */
+static inline double contact_strength(double r1, double r2, double a) {
+    const double r = r1 * r2 / (r1 + r2);
+    return 2.0 / 3.0 * r * r / contact_power(r, a);
+}
+
 /* Overlap for a given force. */
 static inline double contact_overlap(double e, double force) { return pow(0.75 * force / e, 2.0 / 3.0); }
 

@@ -120,7 +120,8 @@ static void squeeze(compression *run, double dt) {
     sp_dynamics_stress(d, stress);
     target_now(run, target);
     d->pressure = on_path(run) ? fmax(mean(d, stress), APART * p) : p;
-    double rate = fmin(INERTIAL * sqrt(p), p / (d->dim * compression_stiffness(p) * UPDATES * LATERAL_STEPS * dt));
+    double rate = fmin(INERTIAL * sqrt(p),
+                       p / (d->dim * compression_stiffness(p, run->spec->law_exponent) * UPDATES * LATERAL_STEPS * dt));
     if (run->whole->strain_rate > 0 && mean(d, stress) < UNLOADED * p)
         rate = run->whole->strain_rate * sqrt(p);
     const double average = fmax(-1, fmin(1, mean(d, stress) / p - 1));
@@ -158,7 +159,8 @@ static double swing_time(const compression *run) {
     double mass = 0;
     for (int32_t i = 0; i < d->n; i++)
         mass += 1 / dynamics_grain(d, i)[d->at.inv_m];
-    return sqrt((d->piston_mass + 0.5 * mass) / d->area * d->piston_y / compression_stiffness(d->pressure));
+    return sqrt((d->piston_mass + 0.5 * mass) / d->area * d->piston_y /
+                compression_stiffness(d->pressure, run->spec->law_exponent));
 }
 
 /* Changes the pressure slowly compared with the oscillation; after a jump the piston would rebound and open the
@@ -196,7 +198,8 @@ static void follow_pressure(compression *run, int a, double dt) {
     dynamics *d = &run->d;
     const double p = d->pressure, excess = sp_dynamics_lateral_pressure(d, a) / p - 1;
     const double stop = d->strain_rate[a] == 0 ? 3e-4 : 1e-5;
-    const double rate = fmin(gentle_rate(p), p / (compression_stiffness(p) * 6 * LATERAL_STEPS * dt));
+    const double rate =
+        fmin(gentle_rate(p), p / (compression_stiffness(p, run->spec->law_exponent) * 6 * LATERAL_STEPS * dt));
     const bool settled = run->phase == PHASE_EQUILIBRATION && d->pressure == run->spec->pressure;
     d->strain_rate[a] = settled && fabs(excess) < stop ? 0 : rate * fmax(-1, fmin(1, excess));
 }

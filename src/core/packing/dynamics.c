@@ -66,6 +66,7 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
         d.at.past = MINDLIN_NUMBERS;
     d.rows.both = d.dim == 2 && d.n <= BOTH_MOST;
     d.at.averaged = d.lag > 0 ? d.dim : 0;
+    d.law.exponent = spec->law_exponent;
     d.law.friction = spec->friction;
     d.law.eta = spec->friction > 0 ? contact_eta(spec->poisson) : 0;
     d.law.sqrt_eta = sqrt(d.law.eta);
@@ -401,14 +402,20 @@ static ALWAYS_INLINE double separation(const dynamics *d, const pair_list *p, in
     return length3(x);
 }
 
+double sp_dynamics_normal(const dynamics *d, double r1, double r2, double overlap) {
+    const double a = d->law.exponent;
+    return a == 1.5 ? contact_force(contact_stiffness(r1, r2), overlap)
+                    : contact_strength(r1, r2, a) * contact_power(overlap, a);
+}
+
 /* Elastic force on i of a pair, and its torque/R. False for an open pair. */
 static ALWAYS_INLINE bool elastic_pair(const dynamics *d, const pair_list *p, int32_t k, double force[3],
                                        double turn[3]) {
     double x[3], r = separation(d, p, k, x), overlap = p->reach[k] - r, t[3] = {0, 0, 0};
     if (!(overlap > 0))
         return false;
-    const double e = contact_stiffness(dynamics_radius(d, p->i[k]), dynamics_radius(d, p->j[k]));
-    const double normal = contact_force(e, overlap), n[3] = {x[0] / r, x[1] / r, x[2] / r};
+    const double normal = sp_dynamics_normal(d, dynamics_radius(d, p->i[k]), dynamics_radius(d, p->j[k]), overlap);
+    const double n[3] = {x[0] / r, x[1] / r, x[2] / r};
     if (d->dim == 2) {
         t[0] = -p->ft[k] * n[1];
         t[1] = p->ft[k] * n[0];

@@ -75,6 +75,7 @@ typedef struct force_rows {
 
 /* Contact parameters. */
 typedef struct contact_law {
+    double exponent; /* of the overlap in the normal force; 3/2 at walls */
     double friction, eta, sqrt_eta, damping;
     double viscous_limit; /* limit of the total tangential force over the Coulomb limit of its elastic part */
 } contact_law;
@@ -247,6 +248,8 @@ double sp_deform_cell(dynamics *d, double dt);
 /* Brings the tilts to at most half of the edges, by other lattice vectors of the same lattice. The images of listed
  * pairs are not valid after this. */
 void sp_deform_reduce(dynamics *d);
+/* Elastic normal force of two grains of these radii. */
+double sp_dynamics_normal(const dynamics *d, double r1, double r2, double overlap);
 /* Keeps the cell in which the outer list is made, and carries a point along from this cell to the present one. */
 void sp_deform_keep(dynamics *d);
 void sp_deform_carry(const dynamics *d, double x[3]);

@@ -1,6 +1,7 @@
 /* The hot loops, in plain C over flat arrays that compilers can vectorize for any width. */
 #include "packing/kernel.h"
 #include "base/clones.h"
+#include "packing/contact.h"
 
 #include <math.h>
 
@@ -42,6 +43,18 @@ static ALWAYS_INLINE void hertz(int32_t count, const double *restrict gap, const
         kn[k] = kn_now;
         s[k] = gap[k] > 0 ? s_closed : 0;
         elastic[k] = (2.0 / 3.0) * kn_now * overlap;
+    }
+}
+
+/* The same for forces as n^a with another exponent: k_n = e2 n^(a - 1), s = sm n^((a - 1)/2). */
+static void power_law(int32_t count, double exponent, const double *gap, const double *e2, const double *sm, double *kn,
+                      double *s, double *elastic) {
+    for (int32_t k = 0; k < (count & -8); k++) {
+        const double overlap = gap[k] > 0 ? gap[k] : 0;
+        const double slope = overlap > 0 ? contact_power(overlap, exponent - 1) : 0;
+        kn[k] = e2[k] * slope;
+        s[k] = sm[k] * sqrt(slope);
+        elastic[k] = kn[k] * overlap / exponent;
     }
 }
 
@@ -186,7 +199,10 @@ CLONES double sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t firs
         distances2(d, first, count, &b, true);
     else
         distances2(d, first, count, &b, false);
-    hertz(count, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
+    if (d->law.exponent == 1.5)
+        hertz(count, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
+    else
+        power_law(count, d->law.exponent, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
     if (d->law.friction > 0)
         d->lag > 0 ? law2(d, dt_past, first, count, &b, true, true) : law2(d, dt_past, first, count, &b, true, false);
     else
@@ -480,7 +496,10 @@ static ALWAYS_INLINE double pairs3(const dynamics *d, double dt, int32_t start, 
         const int32_t left = start + all - first, count = left < PIECE ? left : PIECE;
         gather3(d, first, count, &b, rough);
         distances3(d, first, count, &b, affine);
-        hertz(count, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
+        if (d->law.exponent == 1.5)
+            hertz(count, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
+        else
+            power_law(count, d->law.exponent, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
         normals3(d, first, count, &b, rough, lagging);
         if (rough) {
             springs3(d, dt, first, count, &b);

@@ -12,23 +12,6 @@
 enum { TENSOR = MINIMUM_TENSOR };
 static const double PRESSURE_OFF = 1e-9; /* of the pressure */
 
-/* n^a without pow where a is a multiple of 1/2, so that these packings are the same on all machines. */
-static double power(double x, double a) {
-    const int halves = (int)(2 * a);
-    if (2 * a != halves)
-        return pow(x, a);
-    double product = halves % 2 == 0 ? 1 : sqrt(x);
-    for (int k = 0; k < halves / 2; k++)
-        product *= x;
-    return product;
-}
-
-/* 4/3 E12 R12^(2 - a) with E12 = 1/2. */
-static double strength(const minimum *m, double ri, double rj) {
-    const double r = ri * rj / (ri + rj);
-    return 2.0 / 3.0 * r * r / power(r, m->spec->law_exponent);
-}
-
 static sp_status add_pair(int32_t i, int32_t j, void *user, sp_error *err) {
     minimum *m = user;
     const sp_packing *p = &m->p;
@@ -45,7 +28,7 @@ static sp_status add_pair(int32_t i, int32_t j, void *user, sp_error *err) {
         return sp_fail_memory(err, ((size_t)m->pairs + 1) * sizeof *larger);
     m->pair = larger;
     pair *q = &m->pair[m->pairs++];
-    *q = (pair){.i = i, .j = j, .e = strength(m, p->r[i], p->r[j]), .reach = reach};
+    *q = (pair){.i = i, .j = j, .e = contact_strength(p->r[i], p->r[j], m->spec->law_exponent), .reach = reach};
     for (int k = 0; k < p->dim; k++)
         d[k] -= b[k] - a[k];
     for (int k = p->dim - 1; k >= 0; k--) {
@@ -134,7 +117,7 @@ static void find_cell_forces(minimum *m, double volume) {
 }
 
 double sp_minimum_force(const minimum *m, const pair *q, double overlap) {
-    return q->e * power(overlap, m->spec->law_exponent);
+    return q->e * contact_power(overlap, m->spec->law_exponent);
 }
 
 void sp_minimum_forces(minimum *m) {

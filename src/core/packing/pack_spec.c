@@ -394,9 +394,12 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
     if (s->kind != SP_PACK_MINIMUM && s->fraction != 0)
         return sp_fail_key(err, SP_EINVAL, "packing.fraction", " = %g: must be 0 except for packing.kind = \"minimum\"",
                            s->fraction);
-    if (s->kind != SP_PACK_MINIMUM && s->law_exponent != 1.5)
+    if (s->law_exponent != 1.5 && (s->cell != SP_CELL_PERIODIC || s->reference || s->kind == SP_PACK_FILE ||
+                                   s->tangential != SP_TANGENTIAL_CONSTANT))
         return sp_fail_key(err, SP_EINVAL, "packing.law.exponent",
-                           " = %g: must be 1.5 except for packing.kind = \"minimum\"", s->law_exponent);
+                           " = %g: must be 1.5 except for random grains in a packing.cell = \"periodic\", without "
+                           "packing.reference and loading history",
+                           s->law_exponent);
     switch (s->kind) {
     case SP_PACK_MINIMUM: return check_minimum(given, s, err);
     case SP_PACK_CHAIN:

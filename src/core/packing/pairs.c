@@ -280,7 +280,8 @@ static void set_pair(const search *s, int32_t k, int32_t i, int32_t j) {
     p->i[k] = i;
     p->j[k] = j;
     p->reach[k] = g[d->at.r] + h[d->at.r];
-    p->e2[k] = 2.0 * contact_stiffness(g[d->at.r], h[d->at.r]);
+    const double law = d->law.exponent, r1 = g[d->at.r], r2 = h[d->at.r];
+    p->e2[k] = law == 1.5 ? 2.0 * contact_stiffness(r1, r2) : law * contact_strength(r1, r2, law);
     p->sm[k] = sqrt(p->e2[k] / (g[d->at.inv_m] + h[d->at.inv_m])); /* 1/m_eff = 1/m_i + 1/m_j */
     p->light[k] = fmax(g[d->at.inv_m], h[d->at.inv_m]);
     for (int a = 0; a < d->dim; a++)

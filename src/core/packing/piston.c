@@ -48,7 +48,11 @@ static void add_pair(const compression *run, const pair_list *list, int32_t k, s
     }
     sp_contact *c = &p->contacts[(*count)++];
     *c = (sp_contact){.i = i, .j = j, .overlap = overlap, .n = {n[0], n[1], n[2]}, .ft = {t[0], t[1], t[2]}};
-    c->fn = contact_force(contact_stiffness(p->r[i], p->r[j]), overlap);
+    c->fn = sp_dynamics_normal(d, p->r[i], p->r[j], overlap);
+    if (d->law.exponent != 1.5) {
+        c->kn = d->law.exponent * c->fn / overlap;
+        c->kt = d->law.eta * c->kn;
+    }
     finish_contact(d, c);
 }
 
@@ -165,7 +169,10 @@ static double next_step(const compression *run) {
     const double factor = fmin(step_fraction(run) * stable_step(zeta), 0.95 * stable_pair(d, zeta));
     const double past = d->dt;
     const double fast = d->v_max + fabs(d->strain_rate[d->dim - 1]) * 2 * d->r_max; /* of grains that may touch */
+    const double a = d->law.exponent;
     double soon = 2.0 * sqrt(run->r_min * 2.0 * fast * past); /* k_n = 2 E* sqrt(R n) at a wall, n = 2 v dt */
+    if (a != 1.5)
+        soon = 2 * a * contact_strength(d->r_max, d->r_max, a) * contact_power(2 * fast * past, a - 1);
     double rate = fmax(d->rate, (d->lag > 0 ? fmax(0.8, d->law.damping) : 0.5) * sqrt(soon / d->m_min));
     double dt = rate > 0 ? factor / rate : INFINITY;
     if (d->piston_k > 0) /* a light piston on many grains */
@@ -192,7 +199,10 @@ static double plain_step(const compression *run) {
 static double find_drag(const compression *run) {
     const dynamics *d = &run->d;
     const double longest = fmax(4 * d->piston_y, fmax(d->period[0], d->dim == 3 ? d->period[1] : 0));
-    return run->spec->drag * cbrt(run->spec->pressure / 1e-4) * fmin(1, 120 / longest);
+    const double p = run->spec->pressure, a = run->spec->law_exponent;
+    const double faster =
+        a == 1.5 ? cbrt(p / 1e-4) : sqrt(compression_stiffness(p, a) / compression_stiffness(1e-4, 1.5));
+    return run->spec->drag * faster * fmin(1, 120 / longest);
 }
 
 /* A lag damps fast oscillations less, in which contacts of spheres that slid lose hold of their limit. Where cells are

@@ -12,8 +12,9 @@
 /* Unless contacts need a shorter one. Uses a stiffness that the packing certainly reaches: that of one grain that
  * carries p d^2. */
 static double first_step(const compression *run) {
-    double e = contact_stiffness(0.5, 0.5), overlap = contact_overlap(e, run->spec->pressure);
-    return 0.1 * sqrt(run->d.m_min / contact_normal_stiffness(e, overlap));
+    const double p = run->spec->pressure, a = run->spec->law_exponent, e = contact_stiffness(0.5, 0.5);
+    const double overlap = a == 1.5 ? contact_overlap(e, p) : pow(p / contact_strength(0.5, 0.5, a), 1 / a);
+    return 0.1 * sqrt(run->d.m_min / (a == 1.5 ? contact_normal_stiffness(e, overlap) : a * p / overlap));
 }
 
 /* Gas, compaction and creep of 600 grains take 1e5 steps at p = 1e-4 and 3e5 at 1e-7 by the slower protocol, more with

@@ -169,6 +169,14 @@ def test_sensitivity_has_symbol_and_unit(flat):
         assert np.all(np.diff(lines.get_linewidths()) >= -1e-12)  # large ones lie on top
 
 
+def test_clusters_have_colours(flat):
+    found = flat.network().clusters(sliding_at=0.3)
+    for ax in (plot.clusters(flat, found), plot.clusters(flat)):
+        lines, texts = only(ax, LineCollection), key_texts(ax)
+        assert "cluster 0" in texts
+    assert np.ptp(lines.get_linewidths()) == 0 and "redundant" in texts  # all is one cluster
+
+
 @pytest.mark.parametrize("quantity, symbol", [("t10", "t_{10}"), ("omega:9", r"\omega_{9}^2"), ("C22", "C_{22}"),
                                               ("omega:3-5", r"\langle\omega^2\rangle"), ("c_l", "c_l")])
 def test_symbols_of_quantities(quantity, symbol):
@@ -293,6 +301,19 @@ def test_a_spectrogram_finds_the_frequency_of_a_chirp():
     energy = np.mean(np.sin(0.5 * t + 0.001 * t**2)**2)  # Parseval: the density over omega adds up to the mean square
     omega, times, power = maps._spectrum(Input(table), maps.traces_of(Input(table))[0])
     assert np.mean(power.sum(axis=0) * (omega[1] - omega[0])) == pytest.approx(energy, rel=0.02)
+
+
+def test_a_map_of_local_moduli_has_them_at_their_places():
+    i, j = np.tile([0, 1, 2], 2), np.repeat([0, 1], 3)  # x first, in a tilted cell
+    columns = {"x": 1.0 + 2 * i + 0.5 * j, "y": 1.5 + 3 * j, "G": 10.0 * i + j}
+    table = sonopack.Table.from_columns(columns, {"x": "d", "y": "d", "G": "E*"}, {"edge_x": 2, "edge_y": 3})
+    cells = plot.local(table).collections[0]
+    middle = 0.25 * sum(cells.get_coordinates()[a:2 + a, b:3 + b] for a in (0, 1) for b in (0, 1))
+    assert np.allclose(middle.reshape(-1, 2), np.column_stack([columns["x"], columns["y"]]))
+    assert np.array_equal(np.ravel(cells.get_array()), columns["G"])
+    assert np.ptp(cells.get_coordinates()[0, :, 0]) == 6
+    with pytest.raises(sonopack.SonopackError, match="two dimensions"):
+        plot.local(sonopack.Table.from_columns({**columns, "z": i}))
 
 
 # ---- files of the command -------------------------------------------------------------------------------------------

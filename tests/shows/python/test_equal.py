@@ -111,7 +111,18 @@ def test_respond():
     network = packing().network()
     read, own = table("respond", "P.h5", "--strain", "yy"), network.respond("strain", axis=1)
     assert np.array_equal(np.column_stack([read["ux"], read["uy"], read["rz"]]).ravel(), own.u)
-    all_equal(table("respond", "P.h5", "--strain", "yy", "--contacts"), own, ["fn", "ft"], "forces")
+    read = table("respond", "P.h5", "--strain", "yy", "--contacts")
+    all_equal(read, own, ["fn", "ft"], "forces")
+    assert all(np.array_equal(read[name], limit) for name, limit in zip(("opens", "slides"), own.limits()))
+    assert np.allclose(np.linalg.norm(own.force, axis=1)**2, own.fn**2 + own.ft**2)
+
+
+def test_clusters():
+    network = packing().network()
+    for method in ("game", "motions"):
+        all_equal(table("clusters", "P.h5", "--method", method, "--sliding-at", 0.5),
+                  network.clusters(method, sliding_at=0.5), ["bars", "cluster", "redundant"], method)
+    assert np.array_equal(table("clusters", "P.h5", "--grains")["cluster"], network.clusters().of_grain)
 
 
 def test_moduli():
@@ -121,6 +132,9 @@ def test_moduli():
               packing().network(tangential="loading").moduli(), ["C22=c22", "c_t"], "loading history")
     read, probe = table("moduli", "P.h5", "--probe", "sine:1"), network.probes([("sine", 1)])[0]
     all_equal(read, probe, ["C22=along", "C33=shear"], "probe")
+    read, parts = table("moduli", "P.h5", "--probe", "local:3"), network.local_moduli(3)
+    all_equal(read, parts, ["K=bulk", "G=shear", "error", "grains", "contacts"], "parts")
+    assert np.array_equal(read["C21"], parts.c[:, 1, 0]) and read.number("C33") == parts.whole[2, 2]
     strained = network.finite_strain(1e-5).moduli
     all_equal(table("moduli", "P.h5", "--strain", "1e-5"), strained, ["C11=c11", "C22=c22", "C33=c33"], "strain")
 
