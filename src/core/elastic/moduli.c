@@ -250,7 +250,7 @@ void sp_moduli_from_stiffness(const sp_network *net, double phi3s, const sp_stif
     const bool space = net->dim == 3;
     const int c33 = space ? STRAIN_33_3D : STRAIN_SHEAR; /* longitudinal in 3D, shear in 2D */
     sp_elasticity whole;
-    isotropic_part(net, s, &whole);
+    sp_elasticity_from(net, s, &whole);
     sp_moduli m = {.residual = s->residual,
                    .bulk = whole.bulk,
                    .shear = whole.shear,
