@@ -20,8 +20,10 @@ typedef struct sp_moduli {
         c_t; /* speed of longitudinal waves from wall to wall, Eq. (8): in 2D sqrt(C22/Phi3*), in 3D sqrt(C33/Phi3*);
                 speed of transverse waves: in 2D sqrt(C33/Phi3*), in 3D sqrt((C44 + C55)/(2 Phi3*)) [sqrt(E* / rho)] */
     double residual; /* largest |K u - f|/|f| of the solves; forces on free spins (sp_moduli_make) count a thousandth */
+    double bulk, shear; /* K and G of the whole tensor, as in sp_elasticity; NAN in 1D and where parts of it are [E*] */
     double error11, error12, error22, error33, error13, error23, error44, error55,
-        error66; /* bound of the error of the modulus of these indices [E*] */
+        error66;                    /* bound of the error of the modulus of these indices [E*] */
+    double error_bulk, error_shear; /* of K; of G [E*] */
 } sp_moduli;
 
 /* Moduli of the linear springs. One sparse Cholesky factorization serves all strains. Strains along the walls act

@@ -286,7 +286,7 @@ typedef struct sp_pack_spec {
     double fraction;     /* SP_PACK_MINIMUM: area or volume fraction of the grains, overlaps counted twice; 0: the
                             pressure is given */
     double law_exponent; /* a of F = 4/3 E12 R12^(2 - a) n^a; other than 3/2 in periodic cells alone */
-    uint64_t content;    /* SP_PACK_FILE: required sp_packing_hash of the initial packing; 0: any */
+    uint64_t content;    /* required sp_packing_hash of the initial packing; 0: any, or none */
 } sp_pack_spec;
 
 SP_API sp_pack_spec sp_pack_spec_default(void);
@@ -345,7 +345,7 @@ typedef struct sp_pack_hooks {
                           anew. The packing is the same, bit for bit. SP_EFORMAT if the state is damaged or belongs to
                           another spec. */
     size_t state_size;
-    const sp_packing *from; /* initial packing of SP_PACK_FILE */
+    const sp_packing *from; /* initial packing of SP_PACK_FILE, or of SP_PACK_MINIMUM in place of random places */
     /* Called with the packing of each stage but the last, index from 0; may be NULL. An error ends the run. */
     sp_status (*stage)(const sp_packing *packing, int32_t index, void *user, sp_error *err);
 } sp_pack_hooks;

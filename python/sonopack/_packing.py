@@ -53,16 +53,17 @@ class Packing(_core.Drawn, _fields.Packing):
         """Compresses a packing: the first one of the scene, bit for bit that of `sonopack pack`.
 
         progress is called with a PackProgress several times a second; it may return False to stop, which raises
-        Interrupted. Ctrl-C raises KeyboardInterrupt. start: the packing to begin with, in place of packing.kind =
-        "file" and packing.file.
+        Interrupted. Ctrl-C raises KeyboardInterrupt. start: the packing to begin with, in place of packing.file;
+        packing.kind is "file" then, unless it is "minimum".
         """
         struct = scene.resolved()
         if seed is not None:
             _core.set_fields(struct.pack, {"seed": seed})
-        if start is None and struct.pack.kind == lib.SP_PACK_FILE:
-            start = cls.read(os.fsdecode(ffi.string(getattr(struct, "from"))))
+        if start is None and (name := os.fsdecode(ffi.string(getattr(struct, "from")))):
+            start = cls.read(name)
         if start is not None:
-            struct.pack.kind = lib.SP_PACK_FILE
+            if struct.pack.kind != lib.SP_PACK_MINIMUM:
+                struct.pack.kind = lib.SP_PACK_FILE
             call(lib.sp_pack_spec_from, ffi.addressof(struct, "pack"), start._c)
             if not struct.material.young > 0:
                 struct.material = start._c.material

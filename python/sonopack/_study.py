@@ -27,6 +27,8 @@ class Sample:
         self.dim, self.grains, self.seed = int(struct.dim), int(struct.grains), int(struct.seed)
         self.width, self.pressure, self.friction = float(struct.width), float(struct.pressure), float(struct.friction)
         self.height = float(struct.height)
+        #: what the scene sets: packing.fraction (0: the pressure), and how far the path of strain is (stage 0: no path)
+        self.fraction, self.stage, self.strain = float(struct.fraction), int(struct.stage), float(struct.strain)
         self.failed = bool(struct.failed)
         self.reason: str = text_of(struct.reason)
 
@@ -187,8 +189,8 @@ def study(scene: Scene, store: Path | Store, *, jobs: int = 1, threads: int = 1,
     struct = ffi.new("sp_scene *", scene._c[0])
     options = ffi.new("sp_study_options *", {"jobs": jobs, "shard": shard[0], "shards": shard[1], "threads": threads})
     start = None
-    if struct.pack.kind == lib.SP_PACK_FILE:
-        start = Packing.read(text_of(getattr(struct, "from")))
+    if name := text_of(getattr(struct, "from")):
+        start = Packing.read(name)
         call(lib.sp_pack_spec_from, ffi.addressof(struct, "pack"), start._c)
         if not struct.material.young > 0:
             struct.material = start._c.material

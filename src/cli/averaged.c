@@ -41,7 +41,12 @@ typedef struct average {
 static sp_status check_alike(const average *of, sp_error *err) {
     for (int64_t k = 1; k < of->n; k++) {
         const sp_sample *a = of->sample[0], *b = of->sample[k];
-        if (a->pressure < b->pressure || a->pressure > b->pressure)
+        if (a->fraction != b->fraction || a->stage != b->stage)
+            return sp_fail(err, SP_EREFUSED,
+                           "samples %s and %s have the fractions %g and %g, stages %d and %d: %s are averaged at one "
+                           "only, choose it with the scene and --set",
+                           a->name, b->name, a->fraction, b->fraction, a->stage, b->stage, of->plural);
+        if (a->fraction == 0 && (a->pressure < b->pressure || a->pressure > b->pressure))
             return sp_fail(
                 err, SP_EREFUSED,
                 "samples %s and %s have the pressures %g and %g: %s are averaged at one pressure only, choose it "
@@ -75,10 +80,15 @@ static sp_status choose_samples(average *a, sp_error *err) {
 }
 
 static void add_head(const average *a, cli_writer *w) {
+    const sp_sample *first = a->n > 0 ? a->sample[0] : NULL;
     cli_comment(w, "samples = %lld", (long long)a->n);
     if (a->n > 0)
-        cli_comment(w, "pressure = %.15g, grains = %d, width = %.15g, friction = %.15g", a->sample[0]->pressure,
-                    a->sample[0]->grains, a->sample[0]->width, a->sample[0]->friction);
+        cli_comment(w, "%s = %.15g, grains = %d, width = %.15g, friction = %.15g",
+                    first->fraction > 0 ? "fraction" : "pressure",
+                    first->fraction > 0 ? first->fraction : first->pressure, first->grains, first->width,
+                    first->friction);
+    if (a->n > 0 && first->stage > 0)
+        cli_comment(w, "stage = %d, strain = %.15g", first->stage, first->strain);
 }
 
 static void add_left_out(const average *a, cli_writer *w) {

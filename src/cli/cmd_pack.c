@@ -371,7 +371,7 @@ static sp_status compress(compression *c, const sp_packing *from, sp_packing *p,
                                  .save = save_state,
                                  .state = c->state.found,
                                  .state_size = c->state.found_size,
-                                 .from = from,
+                                 .from = from->n > 0 ? from : NULL,
                                  .stage = save_stage};
     cli_catch_signals(common);
     c->begun = sp_clock_wall();
@@ -429,7 +429,7 @@ static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_
         return status;
     if (scene->sweeps > 0)
         cli_note(&a->common, "the scene has sweeps, but only one packing is made: see `sonopack help study'");
-    if (scene->pack.kind == SP_PACK_FILE)
+    if (scene->from[0])
         status = cli_load_start(scene, from, err);
     CLI_THEN(status, cli_take_material(a, &scene->material, path ? path : "the scene", err));
     cli_note_material(&a->common, scene);

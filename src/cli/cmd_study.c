@@ -187,8 +187,9 @@ const cli_syntax cmd_study_syntax = {
         "A sample is identified by all that determines it. So an interrupted study continues where it stopped, and "
         "larger studies or further results reuse what is there. Several studies may share a store, and several "
         "processes may fill it at the same time. A blank line separates the tables; with -o FILE.tsv the first goes "
-        "there, and the others to FILE-moduli.tsv and so on. If a key other than packing.pressure, packing.grains, "
-        "packing.height and packing.seed is swept, each of its values has tables of its own, from the second value on "
+        "there, and the others to FILE-moduli.tsv and so on. If a key other than packing.pressure, packing.fraction, "
+        "packing.stages, packing.grains, packing.height and packing.seed is swept, each of its values has tables of "
+        "its own, from the second value on "
         "in FILE-ctof-2.tsv, FILE-moduli-2.tsv and so on, with the value in a comment. (Of scaling and planes, "
         "packing.width and packing.friction are not among these keys; of spectrum, all keys but packing.seed are.)\n"
         "\n"
@@ -277,11 +278,6 @@ static sp_status check_cell(const sp_scene *scene, sp_error *err) {
                 {SP_WANT_PLANES, "planes"},
                 {SP_WANT_SIGNAL, "signal"},
                 {SP_WANT_PROBES, "probes"}};
-    if (scene->pack.fraction > 0)
-        return sp_fail_key(err, SP_EINVAL, "packing.fraction",
-                           " = %g: must be 0 in a study, whose tables are by packing.pressure; `sonopack pack' makes "
-                           "packings of a fraction",
-                           scene->pack.fraction);
     if (scene->pack.kind == SP_PACK_FILE || scene->pack.cell == SP_CELL_PISTON)
         return SP_OK;
     for (size_t k = 0; k < sizeof wall / sizeof *wall; k++)
@@ -298,7 +294,7 @@ static sp_status read_scene(arguments *a, sp_scene *scene, sp_packing *from, sp_
     sp_status status = cli_read_scene(&a->common, path, scene, err);
     CLI_THEN(status, sp_scene_check_sweeps(scene, err));
     CLI_THEN(status, check_cell(scene, err));
-    if (status == SP_OK && scene->pack.kind == SP_PACK_FILE) {
+    if (status == SP_OK && scene->from[0]) {
         status = cli_load_start(scene, from, err);
         a->study.from = from;
     }

@@ -20,13 +20,13 @@ static bool has_rows(const char *table, const sp_sweep *sweep) {
         return true;
     if (strcmp(table, "signal") == 0 || strcmp(table, "spectrum") == 0)
         return false;
-    static const char *const keys[] = {"packing.pressure", "packing.grains", "packing.height", "packing.width",
-                                       "packing.friction"};
+    static const char *const keys[] = {"packing.pressure", "packing.fraction", "packing.stages",  "packing.grains",
+                                       "packing.height",   "packing.width",    "packing.friction"};
     static const char *const means[] = {"ctof", "statics", "moduli", "probes", "ensemble"};
-    size_t count = 5;
+    size_t count = 7;
     for (size_t k = 0; k < sizeof means / sizeof *means; k++)
         if (strcmp(table, means[k]) == 0)
-            count = 3;
+            count = 5;
     for (size_t k = 0; k < count; k++)
         if (strcmp(sweep->key, keys[k]) == 0)
             return true;
@@ -400,6 +400,8 @@ const cli_syntax cmd_table_syntax = {
         "statics, moduli, probes: one row per pressure and size with means X, their standard deviation over the "
         "samples X_sd, the standard error X_err, and the confidence interval X_low to X_high; left_out counts the "
         "samples that should have them and do not.\n"
+        "With packing.fraction, or with stages of a history or path of strain, rows are also by fraction, stage and "
+        "strain, and p is a mean with the error p_err.\n"
         "ensemble: one row per sample, with all its results.\n"
         "spectrum: density of states, in modes per grain (without rattlers) and unit of omega, one row per bin, with "
         "standard errors, confidence intervals and the integral from 0; for samples of one pressure and size, made "

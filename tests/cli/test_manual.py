@@ -69,13 +69,12 @@ def manual():
 
 def help_of_keys():
     """Every key is explained, and its example is one that scenes take (files, which are not there, and lists aside)."""
-    apart = {"packing.file", "packing.content", "packing.diameter_file", "packing.diameters", "study.sweep",
-             "packing.fraction"}  # studies have pressures
+    apart = {"packing.file", "packing.content", "packing.diameter_file", "packing.diameters", "study.sweep"}
+    minimum = ['study.want=["moduli"]', 'packing.cell="periodic"', 'packing.kind="minimum"', "packing.friction=0"]
     needs = {"packing.sizes": ["packing.diameter_min=0.8", "packing.diameter_max=1.2"],
              "packing.diameter_min": ["packing.diameter_max=1.2"], "packing.diameter_max": ["packing.diameter_min=0.8"],
              "packing.depth": ["packing.dimension=3"], "packing.cell": ['study.want=["moduli"]'],  # fronts need walls
-             "packing.law.exponent": ['study.want=["moduli"]', 'packing.cell="periodic"', 'packing.kind="minimum"',
-                                      "packing.friction=0"],
+             "packing.fraction": minimum, "packing.law.exponent": minimum,
              "packing.strain_rate": ['study.want=["moduli"]', 'packing.cell="periodic"'],
              "packing.stress": ['study.want=["moduli"]', 'packing.cell="periodic"']}
     glass = ["material.E=7e10", "material.nu=0.2", "material.rho=2500", "material.d=1e-3"]

@@ -18,7 +18,7 @@ CTOF = ("p samples c_tof c_tof_err c_peak c_zero c_l c_t "
         "c_tof_low c_tof_high c_peak_err c_zero_err c_l_err c_t_err").split()
 ENDS = ("", "_sd", "_err", "_low", "_high")
 STATICS = "Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2 s12_over_s2 mobilised".split()
-MODULI = "C11 C12 C22 C33 c_l c_t".split()
+MODULI = "C11 C12 C22 C33 c_l c_t K G".split()
 # small and at rest soon: this tests the command, not the physics of large boxes
 SCENE = """
 packing = { width = 8; grains = 40; tolerance = 1e-9; seed = 3; };

@@ -7,13 +7,23 @@ import itertools
 import pathlib
 import tempfile
 
-from command import main, refused, run, sets, tables
+import h5py
+import numpy as np
+
+from command import main, refused, run, sets, table, tables
+from common import made_now
 
 # made in no time
 CHAIN = """
 packing = { kind = "chain"; grains = 20; friction = 0; diameter_min = 0.9; diameter_max = 1.1; };
 study = { samples = 2; want = ["ctof", "signal"]; };
 """
+MINIMUM = """
+packing = { kind = "minimum"; cell = "periodic"; friction = 0.0; grains = 60; sizes = "bidisperse"; diameter_min = 0.8333;
+  diameter_max = 1.1667; @ };
+study = { samples = 3; want = ["statics", "moduli"]; };
+"""
+PERIODIC = MINIMUM.replace("minimum", "piston").replace("friction = 0.0", "friction = 0.3")
 PILE = "packing = { width = 6; grains = 30; tolerance = 1e-8; }; study = { samples = 2; want = [\"statics\"]; };\n"
 
 
@@ -113,4 +123,60 @@ def tables_of_a_scene():
     assert pathlib.Path("ctof.tsv").read_text() + "\n" + pathlib.Path("ctof-ctof-2.tsv").read_text() == text
 
 
-main(words_and_booleans, kinds, lists, ranges, in_the_place_of_values, seeds, tables_of_a_scene)
+def fractions():
+    """Rows by fraction: their means are those of the packings that `pack` makes of the same seeds; p is a mean, too. Samples
+    below jamming are left out of their row."""
+    statics, moduli = same_as_separate(MINIMUM.replace("@", ""), {"packing.fraction": ["0.9", "1.0"]}, "packing.fraction=[0.9, 1.0]")
+    assert list(moduli["fraction"]) == [0.9, 1] and list(moduli["samples"]) == [3, 3] and moduli.names[-10:-9] == ["K"]
+    files = [f"{phi}-{seed}.h5" for phi in (0.9, 1.0) for seed in (1, 2, 3)]
+    for file in files:
+        run("pack", "base.cfg", "-q", "-o", file, *sets(f"packing.fraction={file[:3]}", f"packing.seed={file[4]}"))
+    alone = table("moduli", "-q", *files)
+    for name in ("p", "K", "G", "C11"):
+        values = alone[name].reshape(2, 3)
+        assert np.allclose(moduli[name], values.mean(1), rtol=1e-14, atol=0), name
+        assert np.allclose(moduli[f"{name}_err"], values.std(1, ddof=1) / 3**0.5, rtol=1e-9, atol=0), name
+    assert np.allclose(statics["Phi2"], [0.9, 1], rtol=1e-14)
+    loose = table("study", "base.cfg", "--store", "loose", *sets('study.want=["moduli"]', "packing.fraction=[0.6, 0.9]"))
+    assert list(loose["left_out"]) == [3, 0] and np.isnan(loose["p"][0]) and loose["K"][1] == moduli["K"][0]
+    run("study", "base.cfg", "--store", "loose", "--verify", *sets("packing.fraction=0.9"))
+
+
+def stages():
+    """One run serves all stages of its path, with and without friction: the samples of a run for each. What lies behind the
+    end of a path fails as it does alone. Rows by stage, with the strain; the state of rest at a stress has that pressure."""
+    for base in (MINIMUM, PERIODIC):
+        keys = "pressure = 1e-3; history = [2e-3]; path = { strain = [0.0, 0.0, 0.01]; steps = 4; turns = [1.0, 0.0]; };"
+        _, moduli = same_as_separate(base.replace("@", keys), {"packing.stages": ["1", "2", "4", "6", "0"]},
+                                     "packing.stages=[1, 2, 4, 6, 0]")
+        assert list(moduli["stage"]) == [2, 4, 6, 10, 1] and list(moduli["strain"]) == [0, 0.5, 1, 0, 0]
+        assert np.allclose(moduli["p"][[0, 4]], [1e-3, 2e-3], rtol=1e-3) and (moduli["p_err"][1:3] > 1e-6).all()
+    apart = MINIMUM.replace("@", "pressure = 1e-3; path = { strain = [-0.04, -0.04, 0.0]; steps = 10; };")
+    store = tempfile.mkdtemp(dir=".")
+    pathlib.Path("base.cfg").write_text(apart)
+    run("study", "base.cfg", "--store", store, "-q", *sets("packing.stages=[2, 9, 0]"))
+    run("study", "base.cfg", "--store", "alone", "-q", *sets("packing.stages=9"))
+    records = sorted(pathlib.Path("alone").glob("*.failed"))
+    assert len(records) == 3 and len(list(pathlib.Path(store).glob("*.failed"))) == 6
+    assert all((pathlib.Path(store) / r.name).read_text() == r.read_text() for r in records)
+    rows = table("table", "ensemble", "base.cfg", "--store", store, *sets("packing.stages=[2, 9, 0]"))
+    assert list(rows["stage"]) == [2] * 3 + [9] * 3 + [11] * 3 and list(rows["failed"]) == [0] * 3 + [1] * 6
+
+
+def older_stores():
+    """Samples without K and G, as older versions left them: nan in tables, sound, and made again by the study."""
+    text, _ = study(MINIMUM.replace("@", ""))
+    store = max(pathlib.Path(".").glob("tmp*"), key=lambda folder: folder.stat().st_mtime_ns)
+    for path in store.glob("*.h5"):
+        with h5py.File(path, "r+") as file:
+            del file["results/moduli/bulk"], file["results/moduli/shear"]
+    older = table("table", "moduli", "--store", store)
+    whole = tables(text)[1]
+    assert np.isnan(older["K"]).all() and older["C11"] == whole["C11"] and older["samples"] == [3]
+    run("study", "--store", store, "--verify")
+    assert run("study", "base.cfg", "--store", store).stdout == text
+    assert made_now(run("study", "base.cfg", "--store", store).stderr) == 0
+
+
+main(words_and_booleans, kinds, lists, ranges, in_the_place_of_values, seeds, tables_of_a_scene, fractions, stages,
+     older_stores)

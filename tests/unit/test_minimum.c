@@ -142,6 +142,71 @@ TEST(test_history) {
     assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.history");
 }
 
+static sp_packing go_on(const sp_packing *from, double pressure, double fraction) {
+    const sp_pack_hooks hooks = {.from = from};
+    sp_packing p = sp_packing_none();
+    sp_pack_spec s = sp_pack_spec_default();
+    s.kind = SP_PACK_MINIMUM;
+    s.cell = SP_CELL_PERIODIC;
+    s.dim = from->dim;
+    s.friction = 0;
+    s.law_exponent = 1;
+    s.pressure = pressure;
+    s.fraction = fraction;
+    assert_ok(sp_packing_make_with(&s, &hooks, &p, &err));
+    return p;
+}
+
+/* A minimum that begins with another is the next of its history; at its own fraction it stays where it is. */
+TEST(test_goes_on) {
+    for (int dim = 2; dim <= 3; dim++) {
+        const double history[] = {2e-3};
+        sp_pack_spec s = spec_of(dim, 1);
+        sp_packing first, both, still;
+        s.pressure = 2e-3;
+        assert_ok(sp_packing_make(&s, NULL, NULL, &first, &err));
+        s.pressure = 1e-3;
+        s.history = history;
+        s.history_count = 1;
+        assert_ok(sp_packing_make(&s, NULL, NULL, &both, &err));
+        sp_packing next = go_on(&first, 1e-3, 0);
+        assert_relative(next.pressure, 1e-3, 2e-9);
+        assert_relative(next.box[0], both.box[0], 1e-7);
+        assert_int_equal(next.n_contacts, both.n_contacts);
+        check_law(&next, 1);
+        sp_statics of;
+        assert_ok(sp_statics_make(&first, 1e-4, 0, &of, &err));
+        still = go_on(&first, sp_pack_spec_default().pressure, dim == 2 ? of.phi2 : of.phi3);
+        assert_relative(still.pressure, first.pressure, 1e-9);
+        sp_packing_free(&still);
+        still = go_on(&first, sp_pack_spec_default().pressure, 1.01 * (dim == 2 ? of.phi2 : of.phi3));
+        assert_true(still.pressure > 1.1 * first.pressure);
+        sp_packing_free(&still);
+        sp_packing_free(&next);
+        sp_packing_free(&both);
+        sp_packing_free(&first);
+    }
+}
+
+TEST(test_goes_on_refusals) {
+    sp_packing smooth, p = sp_packing_none();
+    sp_pack_spec s = spec_of(2, 1);
+    assert_ok(sp_packing_make(&s, NULL, NULL, &smooth, &err));
+    const sp_pack_hooks hooks = {.from = &smooth};
+    s.sizes = SP_SIZES_UNIFORM;
+    s.diameter_min = s.diameter_max = 0;
+    s.law_exponent = 1.5;
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.law.exponent 1.5 1");
+    s.law_exponent = 1;
+    smooth.friction = 0.5;
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.file friction 0.5 smooth");
+    smooth.friction = 0;
+    s.content = 7;
+    assert_fails(sp_packing_make_with(&s, &hooks, &p, &err), SP_EINVAL, "packing.content 7");
+    assert_fails(sp_packing_make(&s, NULL, NULL, &p, &err), SP_EINVAL, "packing.file packing.content");
+    sp_packing_free(&smooth);
+}
+
 static bool stop(const sp_pack_progress *progress, void *user) {
     (void)progress, (void)user;
     return false;

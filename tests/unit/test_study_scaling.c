@@ -196,7 +196,7 @@ static void means_of_probes(void **state) {
     assert_true(isnan(cell(&t, 0, "C55_lines3_ratio")) && cell(&t, 0, "C55_lines3") == 2);
     sp_table_free(&t);
     assert_ok(sp_study_table("moduli", n, s, NULL, &t, &err));
-    assert_int_equal(t.columns, 4 + 5 * 11);
+    assert_int_equal(t.columns, 4 + 5 * 13);
     assert_close(cell(&t, 0, "C55"), 0.25, 1e-15);
     sp_table_free(&t);
 }

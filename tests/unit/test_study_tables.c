@@ -320,7 +320,7 @@ static void table_of_means(void **state) {
     }
     sp_table_free(&t);
     assert_ok(sp_study_table("moduli", MADE, s, NULL, &t, &err));
-    assert_int_equal(t.columns, 4 + 5 * 6);
+    assert_int_equal(t.columns, 4 + 5 * 8);
     assert_close(cell(&t, 0, "C12"), 2, 0);
     assert_close(cell(&t, 0, "C33"), 4, 0);
     assert_close(cell(&t, 1, "c_l"), 0.2, 1e-15);

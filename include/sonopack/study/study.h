@@ -42,7 +42,11 @@ typedef struct sp_sample {
     char name[SP_NAME_MAX]; /* hash of what determines the sample: 32 hexadecimal digits (sp_sample_name) */
     int32_t kind;           /* sp_pack_kind; packings of different kinds are never averaged */
     int32_t dim, grains;
-    double width, pressure, friction;
+    double width, pressure, friction; /* pressure: that of the scene's stage; with a fraction that of the packing */
+    double fraction;                  /* packing.fraction; 0: the pressure is given */
+    int32_t stage;                    /* packings of history and path up to this one; 0: neither a path nor stages */
+    double strain;                    /* where the path is, in multiples of packing.path.strain */
+    double mean_stress;               /* with a fraction or a stage: mean normal stress of the packing; 0: none [E*] */
     uint64_t seed;
     uint64_t material; /* hash of the other keys that determine the sample (sp_sample_material); 0: unknown */
     double height;     /* distance from source to detector [d] */
@@ -75,8 +79,8 @@ SP_API void sp_sample_arrays_free(sp_sample_arrays *a);
  * algorithms. */
 SP_API void sp_sample_name(const sp_scene *scene, char name[SP_NAME_MAX]);
 
-/* Hash of the packing and network keys and the source, but not of pressure, grains, width, friction, seed,
- * packing.content and max_steps. Samples with different hashes are not averaged. 0: no memory. */
+/* Hash of the packing and network keys and the source, but not of pressure, fraction, stages, grains, width, friction,
+ * seed, packing.content and max_steps. Samples with different hashes are not averaged. 0: no memory. */
 SP_API uint64_t sp_sample_material(const sp_scene *scene);
 
 /* The parts of the results that study.want stands for: `scaling' is made of the fronts of `ctof'. */

@@ -249,7 +249,13 @@ static double speed(double modulus, double density) { return density > 0 ? sqrt(
 void sp_moduli_from_stiffness(const sp_network *net, double phi3s, const sp_stiffness *s, sp_moduli *out) {
     const bool space = net->dim == 3;
     const int c33 = space ? STRAIN_33_3D : STRAIN_SHEAR; /* longitudinal in 3D, shear in 2D */
-    sp_moduli m = {.residual = s->residual};
+    sp_elasticity whole;
+    sp_elasticity_from(net, s, &whole);
+    sp_moduli m = {.residual = s->residual,
+                   .bulk = whole.bulk,
+                   .shear = whole.shear,
+                   .error_bulk = whole.bulk_error,
+                   .error_shear = whole.shear_error};
     const struct {
         double *c, *error;
         int a, b;

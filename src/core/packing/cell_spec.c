@@ -155,5 +155,5 @@ sp_status sp_cell_spec_check(const sp_pack_spec *given, const sp_pack_spec *s, s
         return sp_fail_key(err, SP_EINVAL, "packing.gravity", " = %g: must be 0 for packing.cell = \"%s\"",
                            given->gravity, sp_cell_names[given->cell]);
     sp_status status = given->stress_count != 0 ? check_stress(given, err) : SP_OK;
-    return status == SP_OK && given->kind != SP_PACK_FILE ? check_edges(given, s, err) : status;
+    return status == SP_OK && given->kind != SP_PACK_FILE && given->content == 0 ? check_edges(given, s, err) : status;
 }

@@ -1,5 +1,6 @@
 /* Creates packings: completes the spec, checks the memory, and calls the generator. */
 #include "base/base.h"
+#include "packing/geometry.h"
 #include "packing/prepare.h"
 
 #include <math.h>
@@ -9,12 +10,32 @@ typedef struct taken {
     double given, usual, own; /* value in the spec, its default, value of the packing */
 } taken;
 
-static sp_status check_start(const sp_packing *from, sp_error *err) {
+/* A minimum may begin with any smooth spheres in a periodic cell that have its law. */
+static sp_status check_smooth(const sp_pack_spec *spec, const sp_packing *from, sp_error *err) {
+    if (from->cell != SP_CELL_PERIODIC || from->friction > 0 || from->mass)
+        return sp_fail(err, SP_EINVAL,
+                       "packing.file: cell \"%s\", friction %g%s: must be smooth spheres in a periodic cell for "
+                       "packing.kind = \"minimum\"",
+                       sp_cell_names[from->cell], from->friction, from->mass ? ", masses of its own" : "");
+    for (int32_t k = 0; k < from->n_contacts; k++) {
+        const sp_contact *c = &from->contacts[k];
+        const double a = c->kn > 0 ? c->kn * c->overlap / c->fn : 1.5;
+        if (!(fabs(a - spec->law_exponent) < 1e-6))
+            return sp_fail(err, SP_EINVAL, "packing.law.exponent = %g: must be that of packing.file, %.10g",
+                           spec->law_exponent, a);
+    }
+    return SP_OK;
+}
+
+static sp_status check_start(const sp_pack_spec *spec, const sp_packing *from, sp_error *err) {
     if (!from || from->n == 0)
-        return sp_fail(err, SP_EINVAL, "packing.file = \"\": must name a packing for packing.kind = \"file\"");
+        return sp_fail(err, SP_EINVAL, "packing.file = \"\": must name the packing that %s",
+                       spec->content ? "packing.content is of" : "packing.kind = \"file\" begins with");
     sp_status status = sp_packing_check(from, err);
     if (status != SP_OK)
         return status;
+    if (spec->kind == SP_PACK_MINIMUM)
+        return check_smooth(spec, from, err);
     if (from->dim == 1)
         return sp_fail(err, SP_EINVAL,
                        "packing.file: a chain (dimension 1): must have 2 or 3 dimensions; for a chain under another "
@@ -33,12 +54,12 @@ static sp_status check_start(const sp_packing *from, sp_error *err) {
 static sp_status check_sizes(const sp_pack_spec *spec, sp_error *err) {
     if (spec->sizes != SP_SIZES_UNIFORM || spec->diameter_count > 0)
         return sp_fail(err, SP_EINVAL,
-                       "packing.sizes: must not be given for packing.kind = \"file\", whose grains already have sizes");
+                       "packing.sizes: must not be given with packing.file, whose grains already have sizes");
     return SP_OK;
 }
 
 sp_status sp_pack_spec_from(sp_pack_spec *spec, const sp_packing *from, sp_error *err) {
-    sp_status status = check_start(from, err);
+    sp_status status = check_start(spec, from, err);
     if (status == SP_OK)
         status = check_sizes(spec, err);
     if (status != SP_OK)
@@ -120,7 +141,7 @@ sp_status sp_packing_make(const sp_pack_spec *spec, sp_pack_watch watch, void *u
 static sp_status complete(const sp_pack_spec *given, const sp_pack_hooks *hooks, sp_pack_spec *out, sp_error *err) {
     sp_pack_spec spec = *given;
     sp_status status = SP_OK;
-    if (spec.kind == SP_PACK_FILE)
+    if (spec.kind == SP_PACK_FILE || (spec.kind == SP_PACK_MINIMUM && (hooks->from || spec.content)))
         status = sp_pack_spec_from(&spec, hooks->from, err);
     if (status == SP_OK)
         status = sp_pack_spec_check(&spec, err);

@@ -115,30 +115,47 @@ static sp_status descend(minimum *m, sp_error *err) {
                    (long long)most, m->residual, m->spec->tolerance);
 }
 
-/* Random points in a cell of the fraction that is given, or that is usual. */
+/* Radii and cell: those of another packing, or of the spec. Returns the volume of the grains. */
+static double take_cell(minimum *m) {
+    const sp_pack_spec *s = m->spec;
+    const sp_packing *from = m->hooks->from;
+    const double height = sp_cell_spec_height(s), edges[] = {s->width, s->dim == 3 ? s->depth : height, height};
+    double solid = 0;
+    if (from)
+        memcpy(m->p.r, from->r, (size_t)from->n * sizeof *from->r);
+    else
+        sp_radii_draw(s, m->p.r);
+    for (int32_t i = 0; i < m->p.n; i++)
+        solid += s->dim == 2 ? 3.14159265358979323846 * m->p.r[i] * m->p.r[i] : grain_mass(m->p.r[i]);
+    memcpy(m->p.box, from ? from->box : edges, (size_t)s->dim * sizeof *edges);
+    if (from)
+        memcpy(m->p.tilt, from->tilt, sizeof from->tilt);
+    return solid;
+}
+
+/* The places of another packing, or random ones, in a cell of the fraction that is given, or that is usual. */
 static sp_status start(minimum *m, sp_error *err) {
     const sp_pack_spec *s = m->spec;
+    const sp_packing *from = m->hooks->from;
     const int dim = s->dim;
     const size_t n = (size_t)s->grains;
     sp_status status = sp_packing_alloc(&m->p, dim, s->grains, 0, err);
     if (status != SP_OK)
         return status;
     m->p.cell = SP_CELL_PERIODIC;
-    sp_radii_draw(s, m->p.r);
-    double solid = 0;
-    for (size_t i = 0; i < n; i++)
-        solid += dim == 2 ? 3.14159265358979323846 * m->p.r[i] * m->p.r[i] : grain_mass(m->p.r[i]);
-    const double height = sp_cell_spec_height(s), edges[] = {s->width, dim == 3 ? s->depth : height, height};
-    double shape = 1;
+    const double solid = take_cell(m), fraction = s->fraction > 0 ? s->fraction : DENSE[dim];
+    double volume = 1;
     for (int a = 0; a < dim; a++)
-        shape *= edges[a];
-    const double scale = pow(solid / (s->fraction > 0 ? s->fraction : DENSE[dim]) / shape, 1.0 / dim);
+        volume *= m->p.box[a];
+    const double scale = from && s->fraction == 0 ? 1 : pow(solid / fraction / volume, 1.0 / dim);
     for (int a = 0; a < dim; a++)
-        m->p.box[a] = edges[a] * scale;
+        m->p.box[a] *= scale;
+    for (int k = 0; k < 3; k++)
+        m->p.tilt[k] *= scale;
     sp_random stream = sp_random_make(s->seed, SP_STREAM_GAS);
     for (size_t i = 0; i < n; i++)
-        for (int a = 0; a < dim; a++)
-            m->p.x[3 * i + (size_t)a] = m->p.box[a] * sp_random_uniform(&stream);
+        for (size_t a = 0; a < (size_t)dim; a++)
+            m->p.x[3 * i + a] = from ? from->x[3 * i + a] * scale : m->p.box[a] * sp_random_uniform(&stream);
     m->skin = 0.3 * s->diameter_min;
     m->unit = dim * sqrt((double)n);
     const sp_array arrays[] = {{&m->v, 3 * n}, {&m->f, 3 * n}, {&m->old, 3 * n}, {&m->stiff, n}, {0}};

@@ -8,6 +8,7 @@
 #include <math.h>
 
 typedef enum mark { T10 = 0, T_PEAK, T_ZERO, MARKS } mark;
+enum { COLUMNS = 14 }; /* of p, samples and the speeds */
 
 /* Fronts of the samples of one pressure and size. */
 typedef struct arrivals {
@@ -122,7 +123,8 @@ static sp_status add_pressure(int64_t n, const sp_sample *const *s, double level
     arrivals low = {0}, high = {0};
     speeds v = {{NAN, NAN, NAN}, {NAN, NAN, NAN}, {NAN, NAN}};
     sp_estimate c_l, c_t;
-    const double p = s[0]->pressure;
+    double p_error;
+    const double p = sp_state_pressure(n, s, &p_error);
     sp_status status = arrivals_make(e.low_end - e.low_begin, s + e.low_begin, &low, err);
     if (status == SP_OK)
         status = arrivals_make(high_n, s + e.high_begin, &high, err);
@@ -145,10 +147,12 @@ static sp_status add_pressure(int64_t n, const sp_sample *const *s, double level
                                  p, high.n[T10] > 0 ? "one" : "none");
     }
     int64_t samples = low.n[T10] < high.n[T10] ? low.n[T10] : high.n[T10];
+    double row[COLUMNS + SP_STATE_COLUMNS] = {
+        p,         (double)samples, v.c[T10],        v.error[T10],    v.c[T_PEAK],     v.c[T_ZERO], c_l.value,
+        c_t.value, v.interval.low,  v.interval.high, v.error[T_PEAK], v.error[T_ZERO], c_l.error,   c_t.error};
+    sp_state_put(n, s, t, row + COLUMNS);
     if (status == SP_OK)
-        status =
-            sp_table_add_row(t, err, p, samples, v.c[T10], v.error[T10], v.c[T_PEAK], v.c[T_ZERO], c_l.value, c_t.value,
-                             v.interval.low, v.interval.high, v.error[T_PEAK], v.error[T_ZERO], c_l.error, c_t.error);
+        status = sp_table_add_numbers(t, row, err);
 out:
     sp_free(scratch);
     sp_free(low.memory);
@@ -198,11 +202,12 @@ static sp_status add_exponent(sp_table *t, sp_error *err) {
     double *p = memory, *c = memory + rows, *c_err = memory + 2 * rows;
     int64_t n = 0;
     bool errors = true;
+    const bool strained = sp_table_find_column(t, "strain") >= 0; /* then the pressure is not all that changes */
     for (int64_t k = 0; k < t->rows; k++) {
         p[n] = sp_table_number(t, k, 0);
         c[n] = sp_table_number(t, k, 2);
         c_err[n] = sp_table_number(t, k, 3);
-        if (!isfinite(c[n]))
+        if (!isfinite(c[n]) || strained)
             continue;
         errors = errors && c_err[n] > 0;
         n++;
@@ -217,7 +222,8 @@ static sp_status add_exponent(sp_table *t, sp_error *err) {
             status = sp_table_add_comment(t, err, "exponent and its error: c_tof ~ p^exponent, %s",
                                           errors ? "weighted by c_tof_err" : "equal weights, error from the scatter");
     } else {
-        status = sp_table_add_comment(t, err, "exponent = nan (it needs 3 pressures with c_tof)");
+        status = sp_table_add_comment(t, err, "exponent = nan (it needs 3 pressures with c_tof%s)",
+                                      strained ? ", without a path of strain" : "");
     }
     sp_free(memory);
     return status;
@@ -230,6 +236,8 @@ sp_status sp_ctof_fill(int64_t n, const sp_sample *const *s, double level, sp_ta
     sp_status status = sp_columns_add(t, 2, first, err);
     for (size_t k = 0; k < sizeof names / sizeof *names && status == SP_OK; k++)
         status = sp_table_add_column(t, names[k], "sqrt(E* / rho)", SP_COLUMN_NUMBER, err);
+    if (status == SP_OK)
+        status = sp_state_columns(n, s, true, t, err);
     if (status == SP_OK)
         status = sp_table_add_comment(t, err,
                                       "c_tof = (<H2> - <H1>)/(<t10>_2 - <t10>_1) between the lowest and the "

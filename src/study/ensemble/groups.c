@@ -3,18 +3,21 @@
 
 #include "base/base.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define ORDER(a, b) ((a) < (b) ? -1 : (a) > (b))
 
-/* Compares samples by these members, one after the other: p pressure, g grains, d dimension, w width, f friction, k
- * kind, s seed, n name. */
+/* Compares samples by these members, one after the other: x fraction, p pressure, where that does not follow from the
+ * fraction, t stage, g grains, d dimension, w width, f friction, k kind, s seed, n name. */
 static int compare(const sp_sample *a, const sp_sample *b, const char *members) {
     int order = 0;
     for (; *members && order == 0; members++)
         switch (*members) {
-        case 'p': order = ORDER(a->pressure, b->pressure); break;
+        case 'x': order = ORDER(a->fraction, b->fraction); break;
+        case 'p': order = a->fraction > 0 ? 0 : ORDER(a->pressure, b->pressure); break;
+        case 't': order = ORDER(a->stage, b->stage); break;
         case 'g': order = ORDER(a->grains, b->grains); break;
         case 'd': order = ORDER(a->dim, b->dim); break;
         case 'w': order = ORDER(a->width, b->width); break;
@@ -26,15 +29,15 @@ static int compare(const sp_sample *a, const sp_sample *b, const char *members) 
     return order;
 }
 
-static const char *const material = "pfdkw"; /* of a row for each height, in the order of the table */
-static const char *const same_packing = "pgdwfks";
+static const char *const material = "xptfdkw"; /* of a row for each height, in the order of the table */
+static const char *const same_packing = "xptgdwfks";
 
 static int in_table(const void *left, const void *right) {
-    return compare(*(const sp_sample *const *)left, *(const sp_sample *const *)right, "pgdwfksn");
+    return compare(*(const sp_sample *const *)left, *(const sp_sample *const *)right, "xptgdwfksn");
 }
 
 static int over_heights(const void *left, const void *right) {
-    return compare(*(const sp_sample *const *)left, *(const sp_sample *const *)right, "pfdkwgsn");
+    return compare(*(const sp_sample *const *)left, *(const sp_sample *const *)right, "xptfdkwgsn");
 }
 
 static int by_name(const void *left, const void *right) {
@@ -65,7 +68,8 @@ sp_status sp_samples_sorted(int64_t n, const sp_sample *samples, const sp_sample
 /* A failed sample has nothing to average. */
 static bool is_known(const sp_sample *s) { return s->material != 0 && !s->failed; }
 
-/* Refuses samples of different materials. Pressure, size, friction and width are not part of the material. */
+/* Refuses samples of different materials. Pressure, fraction, stage, size, friction and width are not part of the
+ * material. */
 static sp_status one_material(int64_t n, const sp_sample *const *s, sp_error *err) {
     const sp_sample *first = NULL;
     for (int64_t k = 0; k < n; k++) {
@@ -83,11 +87,11 @@ static sp_status one_material(int64_t n, const sp_sample *const *s, sp_error *er
 }
 
 static sp_status same_seed(const sp_sample *a, const sp_sample *b, sp_error *err) {
-    return sp_fail(
-        err, SP_EREFUSED,
-        "samples %s and %s have the same pressure %g, grains %d and seed %llu but come from different scenes: "
-        "choose those of one scene",
-        a->name, b->name, b->pressure, b->grains, (unsigned long long)b->seed);
+    return sp_fail(err, SP_EREFUSED,
+                   "samples %s and %s have the same %s %g, grains %d and seed %llu but come from different scenes: "
+                   "choose those of one scene",
+                   a->name, b->name, b->fraction > 0 ? "fraction" : "pressure",
+                   b->fraction > 0 ? b->fraction : b->pressure, b->grains, (unsigned long long)b->seed);
 }
 
 sp_status sp_samples_alike(int64_t n, const sp_sample *const *s, sp_error *err) {
@@ -125,13 +129,13 @@ static int64_t end_of(int64_t n, const sp_sample *const *s, int64_t begin, const
     return k;
 }
 
-int64_t sp_pressure_end(int64_t n, const sp_sample *const *s, int64_t begin) { return end_of(n, s, begin, "p"); }
+int64_t sp_pressure_end(int64_t n, const sp_sample *const *s, int64_t begin) { return end_of(n, s, begin, "xpt"); }
 
-int64_t sp_size_end(int64_t n, const sp_sample *const *s, int64_t begin) { return end_of(n, s, begin, "pg"); }
+int64_t sp_size_end(int64_t n, const sp_sample *const *s, int64_t begin) { return end_of(n, s, begin, "xptg"); }
 
 int64_t sp_material_end(int64_t n, const sp_sample *const *s, int64_t begin) { return end_of(n, s, begin, material); }
 
-int64_t sp_height_end(int64_t n, const sp_sample *const *s, int64_t begin) { return end_of(n, s, begin, "pfdkwg"); }
+int64_t sp_height_end(int64_t n, const sp_sample *const *s, int64_t begin) { return end_of(n, s, begin, "xptfdkwg"); }
 
 int64_t sp_samples_failed(int64_t n, const sp_sample *const *s) {
     int64_t failed = 0;
@@ -152,4 +156,59 @@ sp_status sp_columns_add(sp_table *t, int count, const sp_column *column, sp_err
     for (int k = 0; k < count && status == SP_OK; k++)
         status = sp_table_add_column(t, column[k].name, column[k].unit, column[k].kind, err);
     return status;
+}
+
+/* ---- fractions and stages -----------------------------------------------------------------------------------------
+ */
+
+sp_status sp_state_columns(int64_t n, const sp_sample *const *s, bool means, sp_table *t, sp_error *err) {
+    static const sp_column column[] = {{"fraction", "", SP_COLUMN_NUMBER},
+                                       {"stage", "", SP_COLUMN_INTEGER},
+                                       {"strain", "", SP_COLUMN_NUMBER},
+                                       {"p_err", "E*", SP_COLUMN_NUMBER}};
+    bool fraction = false, stage = false;
+    for (int64_t k = 0; k < n; k++) {
+        fraction = fraction || s[k]->fraction > 0;
+        stage = stage || s[k]->stage > 0;
+    }
+    sp_status status = fraction ? sp_columns_add(t, 1, column, err) : SP_OK;
+    if (status == SP_OK && stage)
+        status = sp_columns_add(t, 2, column + 1, err);
+    if (status != SP_OK || !means || !(fraction || stage))
+        return status;
+    status = sp_columns_add(t, 1, column + 3, err);
+    return status == SP_OK ? sp_table_add_comment(t, err, "p: mean over the packings, p_err its standard error%s",
+                                                  stage ? "; strain: in multiples of packing.path.strain" : "")
+                           : status;
+}
+
+double sp_state_pressure(int64_t n, const sp_sample *const *s, double *error) {
+    double sum = 0, squares = 0;
+    int64_t count = 0;
+    for (int64_t k = 0; k < n; k++)
+        if (s[k]->mean_stress > 0) {
+            sum += s[k]->mean_stress;
+            count++;
+        }
+    const double mean = sum / (double)count;
+    for (int64_t k = 0; k < n; k++)
+        if (s[k]->mean_stress > 0)
+            squares += (s[k]->mean_stress - mean) * (s[k]->mean_stress - mean);
+    *error = count > 1 ? sqrt(squares / (double)(count - 1) / (double)count) : NAN;
+    return s[0]->fraction > 0 || s[0]->stage > 0 ? mean : s[0]->pressure;
+}
+
+int sp_state_put(int64_t n, const sp_sample *const *s, const sp_table *t, double *row) {
+    int used = 0;
+    double error;
+    sp_state_pressure(n, s, &error);
+    if (sp_table_find_column(t, "fraction") >= 0)
+        row[used++] = s[0]->fraction;
+    if (sp_table_find_column(t, "stage") >= 0) {
+        row[used++] = s[0]->stage;
+        row[used++] = s[0]->strain;
+    }
+    if (sp_table_find_column(t, "p_err") >= 0)
+        row[used++] = error;
+    return used;
 }

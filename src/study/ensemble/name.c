@@ -58,6 +58,8 @@ uint64_t sp_sample_material(const sp_scene *scene) {
     rest.height = 0;
     rest.pack.grains = plain.grains;
     rest.pack.pressure = plain.pressure;
+    rest.pack.fraction = plain.fraction;
+    rest.pack.stages = plain.stages;
     rest.pack.width = plain.width;
     rest.pack.friction = plain.friction;
     rest.pack.seed = plain.seed;

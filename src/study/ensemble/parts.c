@@ -228,8 +228,16 @@ static sp_status make_probes(const part_input *in, bool moduli, sp_sample *sampl
 
 /* ---- all ------------------------------------------------------------------------------------------------------- */
 
+/* Older stores have no K and G, which exist where all strains do. */
+static bool lacks_isotropic(const sp_sample *s) {
+    const sp_moduli *m = &s->moduli;
+    return isnan(m->bulk) && isfinite(m->c11 + (s->dim == 3 ? m->c44 + m->c55 + m->c66 : m->c33));
+}
+
 unsigned sp_sample_parts(const sp_scene *scene, const sp_sample *sample) {
     unsigned parts = sample->have;
+    if (lacks_isotropic(sample))
+        parts &= ~(unsigned)SP_WANT_MODULI;
     if (!signal_fits(scene, sample))
         parts &= ~(unsigned)SP_WANT_SIGNAL;
     if (!planes_fit(scene, sample))

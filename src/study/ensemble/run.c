@@ -124,12 +124,6 @@ typedef struct run {
     sp_error error;
 } run;
 
-static bool go_on(const sp_pack_progress *progress, void *user) {
-    (void)progress;
-    run *r = user;
-    return !atomic_load(&r->stop);
-}
-
 /* Stops the run for a reason that is not one of a sample. The caller holds the lock. */
 static void stop_run(run *r, sp_status status, const sp_error *reason) {
     if (r->status == SP_OK) {
@@ -157,10 +151,45 @@ typedef struct job {
     sp_packing packing;
     sp_sample sample;
     sp_sample_arrays arrays;
+    bool make; /* it is to be made by this thread, and is not yet */
     bool claimed;
     bool stored;    /* the sink has its packing */
     unsigned parts; /* that the sink has */
 } job;
+
+/* Samples that are made by one thread: one, or all that differ in packing.stages alone, for the packings of the others
+ * lie on the way of the last one. */
+typedef struct group {
+    run *r;
+    int64_t first, stride; /* number of the first sample; from one to the next */
+    int count, last;       /* last: the one with the most stages */
+    job *job;
+} group;
+
+/* The group of a sample. Where other processes make a part of the samples, each is alone. */
+static group group_of(run *r, int64_t number) {
+    const sp_scene *study = r->study;
+    group g = {.r = r, .first = number, .stride = 1, .count = 1};
+    for (int s = study->sweeps - 1; s >= 0 && r->options->shards == 1; s--) {
+        const sp_sweep *sweep = &study->sweep[s];
+        if (strcmp(sweep->key, "packing.stages") == 0) {
+            g.count = sweep->count;
+            g.first -= number % r->samples.combinations / g.stride % g.count * g.stride;
+            for (int k = 1; k < g.count; k++) /* 0 stands for all */
+                if (sweep->values[g.last] > 0 && !(sweep->values[k] > 0 && sweep->values[k] < sweep->values[g.last]))
+                    g.last = k;
+            break;
+        }
+        g.stride *= sweep->count;
+    }
+    return g;
+}
+
+static bool go_on(const sp_pack_progress *progress, void *user) {
+    (void)progress;
+    const group *g = user;
+    return !atomic_load(&g->r->stop);
+}
 
 static sp_stored look(const run *r, const job *j) {
     const sp_study_sink *sink = r->sink;
@@ -223,40 +252,116 @@ static sp_status save(run *r, job *j, sp_error *err) {
     return r->sink->save(r->sink->user, &j->scene, &sample, made ? &j->packing : NULL, &j->arrays, err);
 }
 
-/* Makes one sample. False if another process has reserved it; it is then postponed, perhaps again. */
-static bool run_sample(run *r, int64_t number) {
-    job j = {.number = number, .packing = sp_packing_none(), .arrays = sp_sample_arrays_none(), .sample.height = NAN};
+/* Takes a sample up: whether it is stored, or another process makes it. */
+static void take(run *r, job *j, bool *postponed) {
     sp_error reason = {0};
-    bool make = false, postponed = false;
-    sp_status status = sp_study_sample(r->study, number, &j.scene, j.sample.name, &reason);
+    sp_status status = sp_study_sample(r->study, j->number, &j->scene, j->sample.name, &reason);
     pthread_mutex_lock(&r->lock);
     if (status == SP_OK)
-        status = take_stored(r, &j, &make, &postponed, &reason);
+        status = take_stored(r, j, &j->make, postponed, &reason);
     if (status != SP_OK)
         stop_run(r, status, &reason);
     pthread_mutex_unlock(&r->lock);
-    if (status == SP_OK && make) {
-        const sp_study_options *o = r->options;
-        const sp_pack_hooks hooks = {
-            .watch = go_on, .user = r, .threads = o->jobs == 1 ? o->threads : 1, .from = o->from};
-        status = sp_sample_make_with(&j.scene, j.scene.want, &hooks, &j.packing, &j.sample, &j.arrays, &reason);
+    j->make = j->make && status == SP_OK;
+}
 
-        pthread_mutex_lock(&r->lock);
-        if (status == SP_OK || j.sample.failed)
-            status = save(r, &j, &reason);
-        if (status == SP_OK)
-            count_done(r, number, true, j.sample.failed);
-        else if (status != SP_EINTERRUPTED)
-            stop_run(r, status, &reason);
-        pthread_mutex_unlock(&r->lock);
+/* Saves and counts a sample that was made, or failed. */
+static void finish(run *r, job *j, sp_status status, sp_error *reason) {
+    pthread_mutex_lock(&r->lock);
+    if (status == SP_OK || j->sample.failed)
+        status = save(r, j, reason);
+    if (status == SP_OK)
+        count_done(r, j->number, true, j->sample.failed);
+    else if (status != SP_EINTERRUPTED)
+        stop_run(r, status, reason);
+    pthread_mutex_unlock(&r->lock);
+    j->make = false;
+}
+
+static void make(group *g, job *j, sp_status (*stage)(const sp_packing *, int32_t, void *, sp_error *)) {
+    const sp_study_options *o = g->r->options;
+    const sp_pack_hooks hooks = {
+        .watch = go_on, .user = g, .threads = o->jobs == 1 ? o->threads : 1, .from = o->from, .stage = stage};
+    sp_error reason = {0};
+    const sp_status status =
+        sp_sample_make_with(&j->scene, j->scene.want, &hooks, &j->packing, &j->sample, &j->arrays, &reason);
+    finish(g->r, j, status, &reason);
+}
+
+/* Makes the samples whose packing this is. It stays the caller's. */
+static sp_status make_on_the_way(const sp_packing *packing, int32_t index, void *user, sp_error *err) {
+    group *g = user;
+    (void)err;
+    for (job *j = g->job; j < g->job + g->count; j++) {
+        if (!j->make || sp_pack_stages(&j->scene.pack) != index + 1)
+            continue;
+        j->packing = *packing;
+        j->packing.scene = NULL;
+        make(g, j, NULL);
+        sp_free(j->packing.scene);
+        j->packing = sp_packing_none();
     }
-    if (j.claimed) {
-        pthread_mutex_lock(&r->lock);
-        r->sink->release(r->sink->user, j.sample.name);
-        pthread_mutex_unlock(&r->lock);
+    return SP_OK;
+}
+
+/* The unmade sample with the most stages. */
+static job *longest(const group *g) {
+    job *most = NULL;
+    for (job *j = g->job; j < g->job + g->count; j++)
+        if (j->make && (!most || sp_pack_stages(&j->scene.pack) > sp_pack_stages(&most->scene.pack)))
+            most = j;
+    return most;
+}
+
+/* Makes what is not stored of the group. What comes after a failure on the way fails for the same reason. */
+static void make_group(group *g) {
+    job *j;
+    for (j = g->job; j < g->job + g->count; j++)
+        if (j->make && j->packing.n > 0)
+            make(g, j, NULL);
+    while (!atomic_load(&g->r->stop) && (j = longest(g))) {
+        make(g, j, g->count > 1 ? make_on_the_way : NULL);
+        for (job *late = g->job; j->sample.failed && j->packing.n == 0 && late < g->job + g->count; late++)
+            if (late->make) {
+                sp_error reason = {0};
+                sp_sample_describe(&late->scene, &late->sample, NULL);
+                late->sample.failed = true;
+                memcpy(late->sample.reason, j->sample.reason, sizeof j->sample.reason);
+                finish(g->r, late, SP_OK, &reason);
+            }
     }
-    sp_packing_free(&j.packing);
-    sp_sample_arrays_free(&j.arrays);
+}
+
+/* Makes the samples of a group. False if another process has reserved one; it is then postponed, perhaps again. */
+static bool run_group(group *g) {
+    run *r = g->r;
+    bool postponed = false;
+    g->job = sp_alloc((size_t)g->count, sizeof *g->job);
+    if (!g->job) {
+        sp_error reason = {0};
+        pthread_mutex_lock(&r->lock);
+        stop_run(r, sp_fail_memory(&reason, (size_t)g->count * sizeof *g->job), &reason);
+        pthread_mutex_unlock(&r->lock);
+        return true;
+    }
+    for (int k = 0; k < g->count; k++) {
+        g->job[k] = (job){.number = g->first + k * g->stride,
+                          .packing = sp_packing_none(),
+                          .arrays = sp_sample_arrays_none(),
+                          .sample.height = NAN};
+        take(r, &g->job[k], &postponed);
+    }
+    make_group(g);
+    pthread_mutex_lock(&r->lock);
+    for (int k = 0; k < g->count; k++)
+        if (g->job[k].claimed)
+            r->sink->release(r->sink->user, g->job[k].sample.name);
+    pthread_mutex_unlock(&r->lock);
+    for (int k = 0; k < g->count; k++) {
+        sp_packing_free(&g->job[k].packing);
+        sp_sample_arrays_free(&g->job[k].arrays);
+    }
+    sp_free(g->job);
     return !postponed;
 }
 
@@ -291,11 +396,15 @@ static int64_t take_postponed(run *r) {
 static void *work(void *user) {
     run *r = user;
     int64_t number;
-    while (!atomic_load(&r->stop) && (number = take_next(r)) >= 0)
-        run_sample(r, number);
+    while (!atomic_load(&r->stop) && (number = take_next(r)) >= 0) {
+        group g = group_of(r, number);
+        if (number == g.first + g.last * g.stride)
+            run_group(&g);
+    }
     while (!atomic_load(&r->stop) && (number = take_postponed(r)) >= 0) {
         const struct timespec wait = {.tv_nsec = another_look};
-        if (!run_sample(r, number)) /* the next one is probably not free yet either */
+        group alone = {.r = r, .first = number, .stride = 1, .count = 1};
+        if (!run_group(&alone)) /* the next one is probably not free yet either */
             nanosleep(&wait, NULL);
         pthread_mutex_lock(&r->lock);
         r->rechecked--;

@@ -23,7 +23,12 @@ sp_status sp_sample_describe(const sp_scene *scene, sp_sample *sample, sp_error 
     sample->dim = scene->pack.dim;
     sample->grains = scene->pack.grains;
     sample->width = scene->pack.width;
-    sample->pressure = scene->pack.pressure;
+    const int32_t stages = sp_pack_stages(&scene->pack);
+    sample->pressure = sp_pack_stage_pressure(&scene->pack, stages - 1);
+    sample->fraction = scene->pack.fraction;
+    sample->stage = scene->pack.strain_count > 0 || scene->pack.stages > 0 ? stages : 0;
+    sample->strain = sp_pack_stage_strain(&scene->pack, stages - 1);
+    sample->mean_stress = 0;
     sample->friction = scene->pack.friction;
     sample->seed = scene->pack.seed;
     sample->material = sp_sample_material(scene);
@@ -32,6 +37,13 @@ sp_status sp_sample_describe(const sp_scene *scene, sp_sample *sample, sp_error 
     sample->failed = false;
     sample->reason[0] = '\0';
     return SP_OK;
+}
+
+void sp_sample_measure(const sp_packing *p, sp_sample *sample) {
+    if (sample->fraction > 0)
+        sample->pressure = p->pressure;
+    if (sample->fraction > 0 || sample->stage > 0)
+        sample->mean_stress = p->pressure;
 }
 
 /* Whether a failure is one of the sample itself, so that it would fail again. */
@@ -63,6 +75,7 @@ sp_status sp_sample_make_with(const sp_scene *given, unsigned want, const sp_pac
         status = sp_fail_memory(&reason, 4096);
     if (status == SP_OK) {
         sample->height = sp_packing_height(packing);
+        sp_sample_measure(packing, sample);
         sample->have = sp_sample_parts(scene, sample);
         unsigned missing = want & ~sample->have;
         if (!arrays)

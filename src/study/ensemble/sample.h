@@ -16,6 +16,8 @@ uint64_t sp_signal_keys(const sp_scene *scene);
 
 /* Fills in the name and the keys of a sample. scene: resolved. SP_ENOMEM. */
 sp_status sp_sample_describe(const sp_scene *scene, sp_sample *sample, sp_error *err);
+/* Adds what the packing decides where the scene does not: the pressure. */
+void sp_sample_measure(const sp_packing *p, sp_sample *sample);
 
 /* Spacing of the times at which a signal is sampled for its front. */
 double sp_front_spacing(double pressure);

@@ -157,17 +157,19 @@ enum {
     FIRST = sizeof first / sizeof *first,
     ESTIMATES = sizeof estimates / sizeof *estimates,
     LAST = sizeof last / sizeof *last,
-    COLUMNS = FIRST + 2 * ESTIMATES + LAST
+    COLUMNS = FIRST + 2 * ESTIMATES + LAST + SP_STATE_COLUMNS
 };
 
-static sp_status add_columns(sp_table *t, sp_error *err) {
+static sp_status add_columns(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {
     sp_status status = sp_columns_add(t, FIRST, first, err);
     for (int k = 0; k < 2 * ESTIMATES && status == SP_OK; k++) {
         char name[40];
         snprintf(name, sizeof name, "%s%s", estimates[k / 2].name, k % 2 ? "_err" : "");
         status = sp_table_add_column(t, name, estimates[k / 2].unit, SP_COLUMN_NUMBER, err);
     }
-    return status == SP_OK ? sp_columns_add(t, LAST, last, err) : status;
+    if (status == SP_OK)
+        status = sp_columns_add(t, LAST, last, err);
+    return status == SP_OK ? sp_state_columns(n, s, true, t, err) : status;
 }
 
 /* The samples of a row; for planes, all samples of the group. */
@@ -204,7 +206,7 @@ static sp_status add_row(const fronts *f, const sp_scaling *scaling, int r, doub
     const int64_t n = row_samples(f, r, &s);
     const sp_scaling_row *row = &scaling->row[r];
     const sp_estimate c_l = sp_wave_speed(n, s, false, scratch), c_t = sp_wave_speed(n, s, true, scratch);
-    double over = NAN;
+    double over = NAN, pressure_error;
     if (r + 1 < scaling->rows) {
         const int64_t above = row_samples(f, r + 1, &next);
         over = row->speed.value / (0.5 * (c_l.value + sp_wave_speed(above, next, false, scratch).value));
@@ -213,8 +215,8 @@ static sp_status add_row(const fronts *f, const sp_scaling *scaling, int r, doub
     const sp_status status = speed_interval(f, r, level, scratch, &interval, err);
     if (status != SP_OK)
         return status;
-    const double begin[FIRST] = {s[0]->pressure, s[0]->width, row->distance.value, row->distance.error,
-                                 (double)row->samples},
+    const double begin[FIRST] = {sp_state_pressure(n, s, &pressure_error), s[0]->width, row->distance.value,
+                                 row->distance.error, (double)row->samples},
                  end[LAST] = {c_l.value,      c_l.error, c_t.value,    c_t.error,    over,         row->between,
                               s[0]->friction, s[0]->dim, s[0]->grains, interval.low, interval.high};
     double v[COLUMNS];
@@ -226,6 +228,7 @@ static sp_status add_row(const fronts *f, const sp_scaling *scaling, int r, doub
         v[FIRST + 2 * k + 1] = one.error;
     }
     memcpy(v + FIRST + 2 * ESTIMATES, end, sizeof end);
+    sp_state_put(n, s, t, v + FIRST + 2 * ESTIMATES + LAST);
     return sp_table_add_numbers(t, v, err);
 }
 
@@ -247,6 +250,8 @@ static sp_status add_fits(const fronts *f, const sp_scaling *s, sp_table *t, sp_
     if (one->kind == SP_PACK_TRIANGULAR || one->kind == SP_PACK_CHAIN)
         length += snprintf(where + length, sizeof where - (size_t)length, ", %s",
                            one->kind == SP_PACK_CHAIN ? "chain" : "triangular");
+    if (one->stage > 0)
+        length += snprintf(where + length, sizeof where - (size_t)length, ", strain=%.6g", one->strain);
     if (f->in.joint)
         snprintf(where + length, sizeof where - (size_t)length, ", grains=%d", one->grains);
     sp_status status = SP_OK;
@@ -305,7 +310,7 @@ static sp_status explain(bool planes, double level, sp_table *t, sp_error *err) 
 }
 
 sp_status sp_scaling_fill(int64_t n, const sp_sample *const *s, bool planes, double level, sp_table *t, sp_error *err) {
-    sp_status status = add_columns(t, err);
+    sp_status status = add_columns(n, s, t, err);
     if (status == SP_OK)
         status = explain(planes, level, t, err);
     for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {

@@ -26,7 +26,8 @@ enum { MEAN = 0, SD, ERROR, LOW, HIGH, COLUMNS };
 /* The quantities that tables have, and those in three dimensions alone. */
 static const char statics_symbols[] = "Phi2 Phi3 Phi3s zs f0 N_over_p Z2 Z3 F2 F2S s1_over_s2 s12_over_s2 mobilised";
 static const char statics_3d_symbols[] = "s32_over_s2";
-static const char moduli_symbols[] = "C11 C12 C22 C33 c_l c_t", moduli_3d_symbols[] = "C13 C23 C44 C55 C66";
+static const char moduli_symbols[] = "C11 C12 C22 C33 c_l c_t", moduli_3d_symbols[] = "C13 C23 C44 C55 C66",
+                  isotropic_symbols[] = "K G";
 
 /* Fills q with the named ones of a result at this offset in a sample. Returns how many they are. */
 static int named(const sp_quantity *all, size_t at, const char *symbols, quantity *q) {
@@ -58,22 +59,6 @@ static double value_of(const sp_sample *s, const quantity *q) {
     return value / over;
 }
 
-static sp_status means_columns(int quantities, const quantity *q, sp_table *t, sp_error *err) {
-    static const sp_column first[FIRST] = {{"p", "E*", SP_COLUMN_NUMBER},
-                                           {"grains", "", SP_COLUMN_INTEGER},
-                                           {"samples", "", SP_COLUMN_INTEGER},
-                                           {"left_out", "", SP_COLUMN_INTEGER}};
-    sp_status status = sp_columns_add(t, FIRST, first, err);
-    static const char *const end[COLUMNS] = {"", "_sd", "_err", "_low", "_high"};
-    for (int k = 0; k < COLUMNS * quantities && status == SP_OK; k++) {
-        const quantity *of = &q[k / COLUMNS];
-        char name[40];
-        snprintf(name, sizeof name, "%.23s%s", of->name, end[k % COLUMNS]);
-        status = sp_table_add_column(t, name, of->unit, SP_COLUMN_NUMBER, err);
-    }
-    return status;
-}
-
 /* A table of means that is being made. */
 typedef struct averaged {
     unsigned part;
@@ -82,6 +67,24 @@ typedef struct averaged {
     sp_interval_options interval;
     double *x; /* values of the samples, quantity by quantity */
 } averaged;
+
+static sp_status means_columns(int64_t n, const sp_sample *const *s, const averaged *a, sp_table *t, sp_error *err) {
+    static const sp_column first[FIRST] = {{"p", "E*", SP_COLUMN_NUMBER},
+                                           {"grains", "", SP_COLUMN_INTEGER},
+                                           {"samples", "", SP_COLUMN_INTEGER},
+                                           {"left_out", "", SP_COLUMN_INTEGER}};
+    sp_status status = sp_columns_add(t, FIRST, first, err);
+    if (status == SP_OK)
+        status = sp_state_columns(n, s, true, t, err);
+    static const char *const end[COLUMNS] = {"", "_sd", "_err", "_low", "_high"};
+    for (int k = 0; k < COLUMNS * a->quantities && status == SP_OK; k++) {
+        const quantity *of = &a->q[k / COLUMNS];
+        char name[40];
+        snprintf(name, sizeof name, "%.23s%s", of->name, end[k % COLUMNS]);
+        status = sp_table_add_column(t, name, of->unit, SP_COLUMN_NUMBER, err);
+    }
+    return status;
+}
 
 /* Explains means that are NAN. A quantity that one sample lacks has no mean: without that sample, the mean would be
  * biased by the choice of samples. */
@@ -104,9 +107,10 @@ static sp_status explain_no_means(const sp_sample *row, int64_t samples, const a
         return SP_OK;
     return sp_table_add_comment(t, err, "p = %.6g, %d grains: up to %lld of %lld samples have no %s%s", row->pressure,
                                 row->grains, (long long)most, (long long)samples, list,
-                                a->part == SP_WANT_STATICS ? " (a box below six diameters has no bulk)"
-                                : !(row->friction > 0)     ? " (walls do not grip grains without friction)"
-                                                           : "");
+                                a->part == SP_WANT_STATICS  ? " (a box below six diameters has no bulk)"
+                                : strcmp(list, "K, G") == 0 ? " (of an older version: the study adds them)"
+                                : !(row->friction > 0)      ? " (walls do not grip grains without friction)"
+                                                            : "");
 }
 
 /* Samples that should have the part and do not. */
@@ -121,7 +125,9 @@ static int64_t count_left_out(int64_t n, const sp_sample *const *s, unsigned par
  * are left out. */
 static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged *a, sp_table *t, sp_error *err) {
     const int64_t left_out = count_left_out(n, s, a->part);
-    double row[FIRST + COLUMNS * QUANTITIES_MAX] = {s[0]->pressure, s[0]->grains};
+    double row[FIRST + SP_STATE_COLUMNS + COLUMNS * QUANTITIES_MAX], error;
+    const double p = sp_state_pressure(n, s, &error);
+    double *numbers = row + FIRST + sp_state_put(n, s, t, row + FIRST);
     const double *x[QUANTITIES_MAX];
     sp_interval interval[QUANTITIES_MAX];
     int64_t samples = 0;
@@ -129,8 +135,7 @@ static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged 
         samples += (s[i]->have & a->part) != 0;
     if (samples == 0 && left_out == 0)
         return SP_OK; /* the part was not asked for */
-    row[2] = (double)samples;
-    row[3] = (double)left_out;
+    memcpy(row, (const double[FIRST]){p, s[0]->grains, (double)samples, (double)left_out}, FIRST * sizeof *row);
     for (int k = 0; k < a->quantities; k++) {
         double *to = a->x + k * samples;
         x[k] = to;
@@ -140,7 +145,7 @@ static sp_status add_means(int64_t n, const sp_sample *const *s, const averaged 
     }
     sp_status status = sp_intervals_of_means(samples, a->quantities, x, &a->interval, interval, err);
     for (int k = 0; k < a->quantities && status == SP_OK; k++) {
-        double *of = row + FIRST + COLUMNS * k;
+        double *of = numbers + COLUMNS * k;
         of[MEAN] = sp_mean(samples, x[k]);
         of[SD] = sp_sd(samples, x[k]);
         of[ERROR] = sp_standard_error(samples, x[k]);
@@ -181,8 +186,9 @@ static int quantities_of(unsigned part, int dim, quantity *q) {
         const int count = named_statics(statics_symbols, q);
         return count + (dim == 3 ? named_statics(statics_3d_symbols, q + count) : 0);
     }
-    const int count = named_moduli(moduli_symbols, q);
-    return count + (dim == 3 ? named_moduli(moduli_3d_symbols, q + count) : 0);
+    int count = named_moduli(moduli_symbols, q);
+    count += dim == 3 ? named_moduli(moduli_3d_symbols, q + count) : 0;
+    return count + named_moduli(isotropic_symbols, q + count);
 }
 
 /* Counts samples in which a single loose grain takes most of the energy of a body force. Their modulus is that of its
@@ -209,7 +215,7 @@ static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part,
     a.x = sp_alloc((size_t)n, (size_t)a.quantities * sizeof *a.x);
     if (!a.x)
         return sp_fail_memory(err, (size_t)n * (size_t)a.quantities * sizeof *a.x);
-    sp_status status = means_columns(a.quantities, a.q, t, err);
+    sp_status status = means_columns(n, s, &a, t, err);
     for (int64_t begin = 0, end; begin < n && status == SP_OK; begin = end) {
         end = sp_size_end(n, s, begin);
         status = add_means(end - begin, s + begin, &a, t, err);
@@ -229,7 +235,8 @@ static sp_status fill_means(int64_t n, const sp_sample *const *s, unsigned part,
 /* Statics, then moduli. */
 static int ensemble_quantities(quantity q[2 * QUANTITIES_MAX], int *statics) {
     *statics = named_statics(statics_symbols, q);
-    return *statics + named_moduli(moduli_symbols, q + *statics);
+    const int count = *statics + named_moduli(moduli_symbols, q + *statics);
+    return count + named_moduli(isotropic_symbols, q + count);
 }
 
 static const sp_column ensemble_first[] = {{"p", "E*", SP_COLUMN_NUMBER},
@@ -247,29 +254,44 @@ static const sp_column ensemble_first[] = {{"p", "E*", SP_COLUMN_NUMBER},
 enum { ENSEMBLE_FIRST = sizeof ensemble_first / sizeof *ensemble_first };
 enum { ENSEMBLE_LAST = sizeof ensemble_last / sizeof *ensemble_last };
 
-static sp_status ensemble_columns(sp_table *t, sp_error *err) {
+static sp_status ensemble_columns(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {
     quantity q[2 * QUANTITIES_MAX];
     int statics;
     const int count = ensemble_quantities(q, &statics);
     sp_status status = sp_columns_add(t, ENSEMBLE_FIRST, ensemble_first, err);
     for (int k = 0; k < count && status == SP_OK; k++)
         status = sp_table_add_column(t, q[k].name, q[k].unit, SP_COLUMN_NUMBER, err);
+    if (status == SP_OK)
+        status = sp_state_columns(n, s, false, t, err);
     return status == SP_OK ? sp_columns_add(t, ENSEMBLE_LAST, ensemble_last, err) : status;
 }
 
 /* Adds a row with all results of a sample; NAN for missing parts. */
-static sp_status add_sample(const sp_sample *s, sp_table *t, sp_error *err) {
+static sp_status add_sample(const sp_sample *const *one, sp_table *t, sp_error *err) {
+    const sp_sample *s = *one;
     const sp_front none = {NAN, NAN, NAN, NAN, NAN, 0};
+    double state[SP_STATE_COLUMNS];
     const sp_front f = s->have & SP_WANT_CTOF ? s->front : none;
-    sp_entry row[ENSEMBLE_FIRST + 2 * QUANTITIES_MAX + ENSEMBLE_LAST] = {
-        {.number = s->pressure}, {.integer = s->grains},  {.integer = (int64_t)s->seed},
-        {.number = s->height},   {.number = f.t10},       {.number = f.t_peak},
-        {.number = f.t_zero},    {.number = f.amplitude}, {.number = f.width}};
+    sp_entry row[ENSEMBLE_FIRST + 2 * QUANTITIES_MAX + ENSEMBLE_LAST + SP_STATE_COLUMNS] = {
+        {.number = sp_state_pressure(1, one, state)},
+        {.integer = s->grains},
+        {.integer = (int64_t)s->seed},
+        {.number = s->height},
+        {.number = f.t10},
+        {.number = f.t_peak},
+        {.number = f.t_zero},
+        {.number = f.amplitude},
+        {.number = f.width}};
     quantity q[2 * QUANTITIES_MAX];
     int statics, at = ENSEMBLE_FIRST;
     const int count = ensemble_quantities(q, &statics);
     for (int k = 0; k < count; k++)
         row[at++].number = s->have & (k < statics ? SP_WANT_STATICS : SP_WANT_MODULI) ? value_of(s, &q[k]) : NAN;
+    for (int k = 0, last = sp_state_put(1, one, t, state); k < last; k++, at++)
+        if (t->column[at].kind == SP_COLUMN_INTEGER)
+            row[at].integer = (int64_t)state[k];
+        else
+            row[at].number = state[k];
     row[at++].integer = s->dim;
     row[at++].number = s->width;
     row[at++].number = s->friction;
@@ -280,9 +302,9 @@ static sp_status add_sample(const sp_sample *s, sp_table *t, sp_error *err) {
 }
 
 static sp_status fill_ensemble(int64_t n, const sp_sample *const *s, sp_table *t, sp_error *err) {
-    sp_status status = ensemble_columns(t, err);
+    sp_status status = ensemble_columns(n, s, t, err);
     for (int64_t k = 0; k < n && status == SP_OK; k++)
-        status = add_sample(s[k], t, err);
+        status = add_sample(&s[k], t, err);
     return status;
 }
 

@@ -121,9 +121,9 @@ static sp_status check_kind(sp_reader *r) {
     if (s->from[0] && is_swept(s, "packing.kind"))
         return sp_fail_key(r->err, SP_EINVAL, "packing.kind",
                            ": must not be swept where packing.file = \"%.200s\" is given", s->from);
-    if (s->pack.kind != SP_PACK_FILE && s->from[0])
+    if (s->pack.kind != SP_PACK_FILE && s->pack.kind != SP_PACK_MINIMUM && s->from[0])
         return sp_fail_key(r->err, SP_EINVAL, "packing.kind",
-                           ": must be \"file\" where packing.file = \"%.200s\" is given", s->from);
+                           ": must be \"file\" or \"minimum\" where packing.file = \"%.200s\" is given", s->from);
     return SP_OK;
 }
 

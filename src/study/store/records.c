@@ -184,9 +184,10 @@ bool sp_manifest_get(char *line, const char *name, bool failed, const struct sta
 
 /* ---- records of failures ----------------------------------------------------------------------------------------- */
 
-/* Keys that every record has beside the reason; and the kind, which it has unless that is a piston's. */
-static const char *const keys[] = {"dim", "grains", "width", "pressure", "friction", "seed", "kind"};
-enum { KEYS = sizeof keys / sizeof *keys, NEEDED = KEYS - 1 };
+/* Keys that every record has beside the reason; and those that it has where they are not 0. */
+static const char *const keys[] = {"dim",  "grains", "width",    "pressure", "friction",
+                                   "seed", "kind",   "fraction", "stage",    "strain"};
+enum { KEYS = sizeof keys / sizeof *keys, NEEDED = 6 };
 
 /* The number of this key; false for another word. */
 static bool find_key(const char *key, sp_result *out, int *which) {
@@ -212,8 +213,8 @@ sp_status sp_failure_save(const char *path, const sp_sample *s, sp_error *err) {
     sp_text_tame(reason, "");
     sp_locale locale = sp_locale_enter();
     sp_text_add(&t, "# This sample failed. `sonopack study --retry' tries it again.\nreason = %s\n", reason);
-    for (int k = 0; k < (s->kind == SP_PACK_PISTON ? NEEDED : KEYS); k++)
-        if (find_key(keys[k], &number, &which)) {
+    for (int k = 0; k < KEYS; k++)
+        if (find_key(keys[k], &number, &which) && (which < NEEDED || !sp_is_zero(number.field, s))) {
             sp_text_add(&t, "%s = ", keys[k]);
             put_number(&t, s, &number);
             sp_text_add(&t, "\n");

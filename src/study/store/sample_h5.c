@@ -141,10 +141,18 @@ static const sp_h5_field signal_field[] = {
     {{"/signal/products", "1", "matrix products that it took"}, SP_H5_I32, offsetof(sp_signal, products)},
 };
 enum { SIGNAL_FIELDS = sizeof signal_field / sizeof *signal_field };
-static const sp_h5_field kind_field =
-    SAMPLE(kind, SP_H5_I32, "1", "how it was made: 0 by a piston, 1 a chain, 2 a triangular lattice, 3 from a file");
-static const sp_h5_field material_field =
-    SAMPLE(material, SP_H5_U64, "1", "hash of the keys beside those above: samples that differ in it are not averaged");
+/* Not written where 0. */
+static const sp_h5_field optional_field[] = {
+    SAMPLE(
+        kind, SP_H5_I32, "1",
+        "how it was made: 0 by a piston, 1 a chain, 2 a triangular lattice, 3 from a file, 4 a minimum of the energy"),
+    SAMPLE(material, SP_H5_U64, "1", "hash of the keys beside those above: samples that differ in it are not averaged"),
+    SAMPLE(fraction, SP_H5_F64, "1", "packing.fraction, which decides the cell in place of the pressure"),
+    SAMPLE(stage, SP_H5_I32, "1", "packings of history and path of strain up to this one"),
+    SAMPLE(strain, SP_H5_F64, "1", "where the path is, in multiples of packing.path.strain"),
+    SAMPLE(mean_stress, SP_H5_F64, "E*", "mean normal stress of the packing, at a fraction or a stage"),
+};
+enum { OPTIONAL_FIELDS = sizeof optional_field / sizeof *optional_field };
 /* Parts that failed, with the reason of the first. */
 static const sp_h5_field lacks_field[] = {
     SAMPLE(lacks, SP_H5_I32, "1",
@@ -212,15 +220,19 @@ static void put_signal(sp_h5 *h, const sp_signal *s, const sp_signal_made *made)
     sp_h5_put_text(h, &name_method, sp_signal_method_name(s->method));
 }
 
+bool sp_is_zero(const sp_h5_field *f, const sp_sample *s) {
+    static const char zero[8];
+    return memcmp((const char *)s + f->offset, zero, f->type == SP_H5_I32 ? 4 : 8) == 0;
+}
+
 static void put_keys(sp_h5 *h, const sp_sample *s) {
     sp_h5_group(h, "/results");
     sp_h5_group(h, "/results/sample");
     sp_h5_put_text(h, &name_name, s->name);
     sp_h5_put_fields(h, SAMPLE_FIELDS, sample_field, s);
-    if (s->kind != SP_PACK_PISTON)
-        sp_h5_put_fields(h, 1, &kind_field, s);
-    if (s->material)
-        sp_h5_put_fields(h, 1, &material_field, s);
+    for (int k = 0; k < OPTIONAL_FIELDS; k++)
+        if (!sp_is_zero(&optional_field[k], s))
+            sp_h5_put_fields(h, 1, &optional_field[k], s);
     if (s->lacks) {
         sp_h5_put_fields(h, LACKS_FIELDS, lacks_field, s);
         sp_h5_put_text(h, &name_reason, s->reason);
@@ -345,6 +357,9 @@ const char *sp_sample_fault(const sp_sample *s) {
            : !(s->width > 0 && isfinite(s->width))                                     ? "sample/width"
            : !(s->pressure > 0 && isfinite(s->pressure))                               ? "sample/pressure"
            : !(s->friction >= 0 && isfinite(s->friction))                              ? "sample/friction"
+           : !(s->fraction >= 0 && isfinite(s->fraction))                              ? "sample/fraction"
+           : !(s->mean_stress >= 0 && isfinite(s->mean_stress))                        ? "sample/mean_stress"
+           : s->stage < 0 || !isfinite(s->strain)                                      ? "sample/stage"
            : !rising                                                                   ? "planes/height"
            : !s->failed && (!(s->height >= 0 || isnan(s->height)) || isinf(s->height)) ? "sample/height"
                                                                                        : NULL;
@@ -360,7 +375,9 @@ sp_sample sp_sample_blank(void) {
                               .error33 = n,
                               .error44 = n,
                               .error55 = n,
-                              .error66 = n}};
+                              .error66 = n,
+                              .error_bulk = n,
+                              .error_shear = n}};
     for (int k = 0; k < SP_PROBES; k++)
         s.probe[k] = (sp_probe_moduli){.error_along = NAN, .error_shear = NAN, .grain = -1};
     return s;
@@ -375,8 +392,7 @@ static int add_results(sp_result *out, int used, int count, const sp_h5_field *f
 int sp_results(sp_result out[SP_RESULTS_MAX]) {
     const sp_result always = {0};
     int used = add_results(out, 0, SAMPLE_FIELDS, sample_field, &always);
-    used = add_results(out, used, 1, &kind_field, &always);
-    used = add_results(out, used, 1, &material_field, &always);
+    used = add_results(out, used, OPTIONAL_FIELDS, optional_field, &always);
     used = add_results(out, used, LACKS_FIELDS, lacks_field, &always);
     for (int k = 0; k < PARTS; k++)
         used = add_results(out, used, part[k].count, part[k].field, &(sp_result){NULL, part[k].offset, part[k].want});
@@ -392,10 +408,9 @@ static void get_keys(sp_h5 *h, sp_sample *s) {
         sp_h5_fail(h, SP_EFORMAT, "%s has more than %d characters", name_name.path, SP_NAME_MAX - 1);
     memcpy(s->name, name, SP_NAME_MAX - 1);
     sp_h5_get_fields(h, SAMPLE_FIELDS, sample_field, s);
-    if (sp_h5_has(h, kind_field.name.path))
-        sp_h5_get_fields(h, 1, &kind_field, s);
-    if (sp_h5_has(h, material_field.name.path))
-        sp_h5_get_fields(h, 1, &material_field, s);
+    for (int k = 0; k < OPTIONAL_FIELDS; k++)
+        if (sp_h5_has(h, optional_field[k].name.path))
+            sp_h5_get_fields(h, 1, &optional_field[k], s);
     if (sp_h5_has(h, lacks_field[0].name.path)) {
         sp_h5_get_fields(h, LACKS_FIELDS, lacks_field, s);
         get_short(h, name_reason.path, sizeof s->reason, s->reason);

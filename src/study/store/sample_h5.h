@@ -30,8 +30,10 @@ typedef struct sp_result {
     size_t offset; /* in sp_sample */
     unsigned want; /* its part; 0: every sample has it */
 } sp_result;
-enum { SP_RESULTS_MAX = 80 };
+enum { SP_RESULTS_MAX = 96 };
 int sp_results(sp_result out[SP_RESULTS_MAX]);
+/* Whether a number of every sample is 0. */
+bool sp_is_zero(const sp_h5_field *f, const sp_sample *s);
 
 /* The numbers of each plane: its height, and the front there. */
 typedef struct sp_plane_field {
