@@ -65,13 +65,18 @@ static sp_status damped(const arguments *a, const cli_file *file, cli_writer *w)
 
 static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w) {
     const bool signals = !a->frequencies_only;
+    const sp_modes_options o = {
+        .source = (sp_source)a->source, .solver = (sp_modes_solver)a->solver, .threads = a->common.threads};
+    const int64_t lowest = a->range.lowest;
+    char complete[SP_NUMBER_TEXT];
     sp_complex_modes m = sp_complex_modes_none();
     cli_comment(w, "file = %s", file->path);
-    if (a->part || a->vectors || a->zero || a->solver == SP_SOLVER_LANCZOS || a->solver == SP_SOLVER_ARPACK)
-        w->status =
-            sp_fail(w->err, SP_EREFUSED,
-                    "modes of prestress with friction come all at once, from the solver dense, and without --vectors");
-    CLI_THEN(w->status, sp_complex_modes_make(&file->network, (sp_source)a->source, &m, w->err));
+    if ((a->part && lowest == 0) || a->vectors || a->zero || a->solver == SP_SOLVER_ARPACK)
+        w->status = sp_fail(w->err, SP_EREFUSED,
+                            "modes of prestress with friction come all at once, or by --lowest, without --vectors and "
+                            "--zero, and not from ARPACK");
+    CLI_THEN(w->status, lowest > 0 ? sp_complex_modes_lowest(&file->network, &o, lowest, &m, w->err)
+                                   : sp_complex_modes_make(&file->network, o.source, &m, w->err));
     cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
     cli_columns(w, SP_COLUMN_NUMBER, "omega", FREQUENCY, "growth", FREQUENCY, NULL);
     if (signals)
@@ -80,17 +85,21 @@ static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w
     cli_value(w, "pressure", file->packing.pressure);
     cli_comment(w, "dimension = %d", file->network.dim);
     cli_comment(w, "carrying = %d", file->network.n);
-    cli_comment(w, "rattler_modes = %lld", (long long)m.rattlers);
+    cli_comment(w, "rattler_modes = %lld", (long long)file->network.rattlers * file->network.dof);
+    if (lowest > 0)
+        cli_comment(w, "zero_motions = %lld", (long long)m.zero);
     cli_comment(w, "pairs = %lld", (long long)m.pairs);
     if (signals)
         cli_comment(w, "source = %s", cli_source_names[a->source]);
     cli_comment(w, "skew = %.3g", sp_network_skew(&file->network));
-    cli_comment(w, "method = dense");
+    cli_comment(w, "method = %s", m.sparse ? "sparse" : "dense");
+    if (lowest > 0)
+        cli_comment(w, "complete = 0:%s", sp_number_text(m.complete, complete));
     for (int64_t k = 0; k < m.n && w->status == SP_OK; k++)
         if (signals)
-            cli_row(w, k, m.omega[k], m.growth[k], m.cosine[k], m.sine[k], m.error[k]);
+            cli_row(w, m.first + k, m.omega[k], m.growth[k], m.cosine[k], m.sine[k], m.error[k]);
         else
-            cli_row(w, k, m.omega[k], m.growth[k], m.error[k]);
+            cli_row(w, m.first + k, m.omega[k], m.growth[k], m.error[k]);
     sp_complex_modes_free(&m);
     return w->status;
 }
@@ -389,7 +398,8 @@ static double expected_modes(const arguments *a, const sp_network_size *net) {
 
 static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *err) {
     const arguments *a = user;
-    if (file->network.carried && !a->stability && sp_network_dofs(&file->network) > SP_STABILITY_MAX)
+    if (file->network.carried && !a->stability && a->range.lowest == 0 &&
+        sp_network_dofs(&file->network) > SP_STABILITY_MAX)
         return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom, must be at most %d for modes of a nonsymmetric K",
                        (long long)sp_network_dofs(&file->network), SP_STABILITY_MAX);
     const sp_network_size net = sp_network_size_of(&file->network, sp_packing_height(&file->packing));
