@@ -294,8 +294,10 @@ const cli_syntax cmd_modes_syntax = {
         "participation of modes of equal frequencies are not definite. With --prestress and tangential forces at rest "
         "the table has all motions exp(growth t) (cosine cos(omega t) + sine sin(omega t)), columns n, omega, growth, "
         "cosine, sine and error, the bound of |growth + i omega - exact|: a complex pair of omega^2 has two rows, "
-        "which grow and decay (at most 6000 degrees of freedom). A packing that does not touch the bottom (top) wall "
-        "has no source (detector): a (b) is nan, and a comment says none. --set takes keys of the group network.\n"
+        "which grow and decay (at most 6000 degrees of freedom). --lowest K gives the K lowest that are no zero "
+        "motions, of networks of any size; the comment complete says up to which omega none is missing. A packing that "
+        "does not touch the bottom (top) wall has no source (detector): a (b) is nan, and a comment says none. --set "
+        "takes keys of the group network.\n"
         "\n"
         "The comments count the zero modes of the packing, whichever modes are printed: zero_modes = rattler_modes + "
         "free_spins (a grain that turns alone, such as a sphere with two contacts) + rigid_motions (grains that hang "
@@ -407,9 +409,9 @@ static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *e
         .vectors = !a->frequencies_only, .solver = (sp_modes_solver)a->solver, .threads = a->common.threads};
     const double modes = fmax(0, expected_modes(a, &net));
     sp_cost cost = sp_cost_modes(&net, &o, &a->range, modes, &p->machine);
-    if (a->stability || a->damping.value > 0) {
+    if (a->stability || a->damping.value > 0 || file->network.carried) {
         cost.cpu = cost.wall = NAN;
-        cli_comment(&p->w, "nan: there is no law for --stability and --damping");
+        cli_comment(&p->w, "nan: there is no law for --stability, --damping, and --prestress with friction");
     }
     (void)err;
     cli_plan_add(p, "network", 1, sp_cost_result(SP_RESULT_NETWORK, &net, 1, &p->machine), 0);

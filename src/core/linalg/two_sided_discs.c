@@ -29,6 +29,7 @@ typedef struct enclosure {
     double *w, *r, *l, *weight; /* [m] |left|, bounds of |R| and |L| by columns, weights of Gershgorin's columns */
     double rounding;            /* upper bound of the error of a computed product A x, over |x| */
     double top;                 /* upper bound of |A| */
+    double tilt;                /* angle between the spaces of Q and W: rounding */
     double slant;               /* |Y^T V| */
     double off;                 /* |G - 1| */
     double *memory;
@@ -86,7 +87,8 @@ static sp_status find_basis(enclosure *e, sp_error *err) {
     multiply(true, m, m, n, e->q, n, e->t->right, n, 0, e->small, m);
     memcpy(e->x, e->t->right, block);
     multiply(false, n, m, m, e->q, n, e->small, m, 1, e->x, n);
-    e->slant = norm(n * m, e->x) + (double)(n * m) * DBL_EPSILON;
+    e->tilt = 2 * (double)(n * m) * DBL_EPSILON * sqrt((double)m) * norm(n * m, e->t->left); /* W's condition */
+    e->slant = norm(n * m, e->x) + e->tilt * sqrt((double)m);
     return info == 0 ? SP_OK : sp_fail(err, SP_EFAILED, "dgeqrf: failed (info = %d)", info);
 }
 
@@ -170,7 +172,7 @@ static sp_status find_bottom(enclosure *e, sp_ldl *factor, double *bottom, sp_er
             status = is_above(e, factor, mu, 0.5 * gap, &above, err);
         if (status != SP_OK && status != SP_EREFUSED)
             return status;
-        *bottom = mu - spoilt - 4 * (double)(e->n * e->m) * DBL_EPSILON * e->top;
+        *bottom = mu - spoilt - 2 * e->tilt * e->top;
     }
     *bottom -= e->slant * (1 + 2 * e->off) * norm(e->m, e->l);
     if (!above || !(*bottom > low) || !(e->off < 1e-3))

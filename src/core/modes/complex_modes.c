@@ -164,6 +164,8 @@ static void drop_beyond(spectrum *s) {
         }
 }
 
+static const double APART = 10; /* ratio of other eigenvalues to those of zero motions, at least */
+
 /* Zero motions: the `known` eigenvalues nearest to 0, and those whose discs contain 0. */
 static sp_status drop_zeros(spectrum *s, int64_t known, int64_t *zeros, sp_error *err) {
     const sp_discs *d = &s->d;
@@ -183,26 +185,31 @@ static sp_status drop_zeros(spectrum *s, int64_t known, int64_t *zeros, sp_error
         if (s->reach[k] >= 0 && size <= s->reach[k]) {
             s->reach[k] = -1;
             ++*zeros;
-        } else if (s->reach[k] >= 0 && size - s->reach[k] <= past)
+        } else if (s->reach[k] >= 0 && size - s->reach[k] <= APART * past)
             return sp_fail(err, SP_EREFUSED, "the %lld zero motions cannot be told from one with omega^2 = %.3g",
                            (long long)known, size);
     }
     return SP_OK;
 }
 
-/* Keeps the rows of the lowest motions, and both of a pair. */
+/* Keeps the rows of the lowest motions, and of all that share the last omega: the other one of a pair. */
 static sp_status cut(sp_complex_modes *m, int64_t lowest, double limit, sp_error *err) {
-    const double complete = sqrt(fmax(limit, 0));
-    if (m->n < lowest || !(m->omega[lowest - 1] + m->error[lowest - 1] < complete))
-        return sp_fail(err, SP_EREFUSED, "%lld lowest motions cannot be proved to be the lowest: only those up to %.6g",
-                       (long long)lowest, complete);
-    const int64_t last = lowest - 1, paired = m->growth[last] < 0 && lowest < m->n;
-    m->complete = complete;
-    if (lowest + paired < m->n)
-        m->complete = fmin(complete, m->omega[lowest + paired] - m->error[lowest + paired]);
-    m->n = lowest + paired;
+    int64_t n = lowest;
+    m->complete = sqrt(fmax(limit, 0));
+    if (m->n < lowest && isinf(limit))
+        return sp_fail(err, SP_EINVAL, "%lld lowest motions, must be 1 .. %lld besides zero motions", (long long)lowest,
+                       (long long)m->n);
+    if (m->n < lowest || !(m->omega[lowest - 1] + m->error[lowest - 1] < m->complete))
+        return sp_fail(err, SP_EREFUSED,
+                       "%lld motions cannot be proved to be the lowest: only those below omega = %.6g",
+                       (long long)lowest, m->complete);
+    while (n < m->n && m->omega[n] == m->omega[n - 1])
+        n++;
+    if (n < m->n)
+        m->complete = fmin(m->complete, m->omega[n] - m->error[n]);
+    m->n = n;
     m->pairs = 0;
-    for (int64_t k = 0; k < m->n; k++)
+    for (int64_t k = 0; k < n; k++)
         m->pairs += m->growth[k] > 0 && m->omega[k] > 0;
     return SP_OK;
 }
