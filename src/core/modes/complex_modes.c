@@ -116,8 +116,11 @@ static sp_status find_some(const sp_network *net, int64_t wanted, int threads, s
         status = SP_EREFUSED;
     }
     double sigma = -1e-3 * c.top * pow((double)wanted / n, 2.0 / net->dim);
-    for (int k = 0; k < 8 && status == SP_EREFUSED; k++, sigma *= 1.3) /* pivots may vanish */
+    for (int k = 0; k < 16 && status == SP_EREFUSED; k++, sigma *= 1.9) { /* pivots may vanish, values be negative */
         status = sp_ldl_factor(c.ldl, sigma, err);
+        if (status == SP_OK && sp_ldl_negative(c.ldl) > 0)
+            status = SP_EREFUSED;
+    }
     if (status == SP_OK)
         status = sp_two_sided_make(c.ldl, &a, &spec, &s->t, err);
     if (status == SP_OK)
@@ -164,10 +167,12 @@ static void drop_beyond(spectrum *s) {
         }
 }
 
+/* Spins whose forces balance have less than this fraction of the largest eigenvalue; others are motions like all. */
+static const double BALANCED = 1e-6;
 static const double APART = 10; /* ratio of other eigenvalues to those of zero motions, at least */
 
-/* Zero motions: the `known` eigenvalues nearest to 0, and those whose discs contain 0. */
-static sp_status drop_zeros(spectrum *s, int64_t known, int64_t *zeros, sp_error *err) {
+/* Zero motions: the `known` eigenvalues nearest to 0 if they are below `small`, and those whose discs contain 0. */
+static sp_status drop_zeros(spectrum *s, int64_t known, double small, int64_t *zeros, sp_error *err) {
     const sp_discs *d = &s->d;
     double past = 0;
     for (; *zeros < known; ++*zeros) {
@@ -175,9 +180,10 @@ static sp_status drop_zeros(spectrum *s, int64_t known, int64_t *zeros, sp_error
         for (int64_t k = 0; k < d->n; k++)
             if (s->reach[k] >= 0 && (best < 0 || hypot(d->re[k], d->im[k]) < hypot(d->re[best], d->im[best])))
                 best = k;
-        if (best < 0)
+        const double size = best < 0 ? HUGE_VAL : hypot(d->re[best], d->im[best]) + s->reach[best];
+        if (size > small)
             break;
-        past = fmax(past, hypot(d->re[best], d->im[best]) + s->reach[best]);
+        past = fmax(past, size);
         s->reach[best] = -1;
     }
     for (int64_t k = 0; k < d->n; k++) {
@@ -199,6 +205,9 @@ static sp_status cut(sp_complex_modes *m, int64_t lowest, double limit, sp_error
     if (m->n < lowest && isinf(limit))
         return sp_fail(err, SP_EINVAL, "%lld lowest motions, must be 1 .. %lld besides zero motions", (long long)lowest,
                        (long long)m->n);
+    if (m->complete == 0)
+        return sp_fail(err, SP_EREFUSED, "more than %lld motions diverge (omega^2 < 0); ask for more of the lowest",
+                       (long long)lowest);
     if (m->n < lowest || !(m->omega[lowest - 1] + m->error[lowest - 1] < m->complete))
         return sp_fail(err, SP_EREFUSED,
                        "%lld motions cannot be proved to be the lowest: only those below omega = %.6g",
@@ -291,6 +300,7 @@ static sp_status count_zeros(const sp_network *net, int64_t *count, sp_error *er
 sp_status sp_complex_modes_lowest(const sp_network *net, const sp_modes_options *opt, int64_t lowest,
                                   sp_complex_modes *out, sp_error *err) {
     sp_complex_modes m = sp_complex_modes_none();
+    const double top = sp_network_omega_bound(net);
     spectrum s = {0};
     int64_t known = 0;
     if (lowest < 1 || lowest > sp_network_dofs(net))
@@ -304,7 +314,7 @@ sp_status sp_complex_modes_lowest(const sp_network *net, const sp_modes_options 
         status = spectrum_make(net, opt, m.sparse ? lowest + known : 0, &s, err);
     if (status == SP_OK) {
         drop_beyond(&s);
-        status = drop_zeros(&s, known, &m.zero, err);
+        status = drop_zeros(&s, known, BALANCED * top * top, &m.zero, err);
     }
     if (status == SP_OK)
         status = tabulate(net, opt->source, &s, false, &m, err);
