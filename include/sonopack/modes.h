@@ -163,12 +163,12 @@ SP_API sp_complex_modes sp_complex_modes_none(void);
  * discs that contain the eigenvalues (Gershgorin). Serves a symmetric J, too. SP_EREFUSED above that size, and if the
  * vectors are nearly dependent. */
 SP_API sp_status sp_complex_modes_make(const sp_network *net, sp_source source, sp_complex_modes *out, sp_error *err);
-/* The `lowest` motions in the order of omega, then growth, and one more if they would part a pair; without rattlers and
- * zero motions: the spins of spheres with two contacts and whole translations, which are the eigenvalues nearest to 0,
- * and those that are 0 within their errors. For networks of any size, if few are wanted: two-sided Davidson iteration
- * with a factor of the symmetric part. Discs contain the eigenvalues, and none with a lower omega is missing: the
- * inertia of the symmetric part bounds those that were not found. SP_EREFUSED if this cannot be proved, and without
- * convergence. */
+/* The `lowest` motions in the order of omega, then growth, and all that share the last omega, as a pair does; without
+ * rattlers and zero motions: the spins of spheres with two contacts and whole translations, which are the eigenvalues
+ * nearest to 0, and those that are 0 within their errors. For networks of any size, if few are wanted: two-sided
+ * Davidson iteration with a factor of the symmetric part. Discs contain the eigenvalues, and none with a lower omega is
+ * missing: the inertia of the symmetric part bounds those that were not found. SP_EREFUSED if this cannot be proved,
+ * and without convergence. */
 SP_API sp_status sp_complex_modes_lowest(const sp_network *net, const sp_modes_options *opt, int64_t lowest,
                                          sp_complex_modes *out, sp_error *err);
 SP_API void sp_complex_modes_free(sp_complex_modes *m);

@@ -119,7 +119,7 @@ static sp_status find_some(const sp_network *net, int64_t wanted, int threads, s
     for (int k = 0; k < 16 && status == SP_EREFUSED; k++, sigma *= 1.9) { /* pivots may vanish, values be negative */
         status = sp_ldl_factor(c.ldl, sigma, err);
         if (status == SP_OK && sp_ldl_negative(c.ldl) > 0)
-            status = SP_EREFUSED;
+            status = sp_fail(err, SP_EREFUSED, "the network is unstable: symmetric part below %.3g", sigma);
     }
     if (status == SP_OK)
         status = sp_two_sided_make(c.ldl, &a, &spec, &s->t, err);
@@ -256,23 +256,6 @@ static sp_status tabulate(const sp_network *net, sp_source source, const spectru
     return sort_modes(m, err);
 }
 
-sp_status sp_complex_modes_make(const sp_network *net, sp_source source, sp_complex_modes *out, sp_error *err) {
-    const sp_modes_options opt = {.source = source};
-    sp_complex_modes m = {.complete = HUGE_VAL};
-    spectrum s = {0};
-    sp_status status = too_large(net, err);
-    if (status == SP_OK)
-        status = spectrum_make(net, &opt, 0, &s, err);
-    if (status == SP_OK)
-        status = tabulate(net, source, &s, true, &m, err);
-    spectrum_free(&s);
-    if (status == SP_OK)
-        *out = m;
-    else
-        sp_complex_modes_free(&m);
-    return status;
-}
-
 /* The dense solver, where its n^3 is less than the rounds of the other one, whose basis must fit. */
 static bool is_dense(const sp_network *net, const sp_modes_options *opt, int64_t wanted) {
     const int64_t n = sp_network_dofs(net);
@@ -297,34 +280,46 @@ static sp_status count_zeros(const sp_network *net, int64_t *count, sp_error *er
     return status;
 }
 
-sp_status sp_complex_modes_lowest(const sp_network *net, const sp_modes_options *opt, int64_t lowest,
-                                  sp_complex_modes *out, sp_error *err) {
-    sp_complex_modes m = sp_complex_modes_none();
+/* lowest = 0: all. */
+static sp_status make(const sp_network *net, const sp_modes_options *opt, int64_t lowest, sp_complex_modes *out,
+                      sp_error *err) {
+    sp_complex_modes m = {.complete = HUGE_VAL};
     const double top = sp_network_omega_bound(net);
     spectrum s = {0};
     int64_t known = 0;
-    if (lowest < 1 || lowest > sp_network_dofs(net))
-        return sp_fail(err, SP_EINVAL, "%lld lowest modes, must be 1 .. %lld, the degrees of freedom of the network",
-                       (long long)lowest, (long long)sp_network_dofs(net));
-    sp_status status = count_zeros(net, &known, err);
-    m.sparse = !is_dense(net, opt, lowest + known);
+    sp_status status = lowest > 0 ? count_zeros(net, &known, err) : SP_OK;
+    m.sparse = lowest > 0 && !is_dense(net, opt, lowest + known);
     if (status == SP_OK && !m.sparse)
         status = too_large(net, err);
     if (status == SP_OK)
         status = spectrum_make(net, opt, m.sparse ? lowest + known : 0, &s, err);
-    if (status == SP_OK) {
+    if (status == SP_OK && lowest > 0) {
         drop_beyond(&s);
         status = drop_zeros(&s, known, BALANCED * top * top, &m.zero, err);
     }
     if (status == SP_OK)
-        status = tabulate(net, opt->source, &s, false, &m, err);
-    if (status == SP_OK)
+        status = tabulate(net, opt->source, &s, lowest == 0, &m, err);
+    if (status == SP_OK && lowest > 0)
         status = cut(&m, lowest, s.limit, err);
-    m.first = (int64_t)net->rattlers * net->dof + m.zero;
+    m.first = (int64_t)net->rattlers * net->dof - m.rattlers + m.zero;
     spectrum_free(&s);
     if (status == SP_OK)
         *out = m;
     else
         sp_complex_modes_free(&m);
     return status;
+}
+
+sp_status sp_complex_modes_make(const sp_network *net, sp_source source, sp_complex_modes *out, sp_error *err) {
+    const sp_modes_options opt = {.source = source};
+    return make(net, &opt, 0, out, err);
+}
+
+sp_status sp_complex_modes_lowest(const sp_network *net, const sp_modes_options *opt, int64_t lowest,
+                                  sp_complex_modes *out, sp_error *err) {
+    const int64_t n = sp_network_dofs(net);
+    if (lowest < 1 || lowest > n)
+        return sp_fail(err, SP_EINVAL, "%lld lowest modes, must be 1 .. %lld, the degrees of freedom of the network",
+                       (long long)lowest, (long long)n);
+    return make(net, opt, lowest, out, err);
 }
