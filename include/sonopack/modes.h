@@ -154,12 +154,23 @@ typedef struct sp_complex_modes {
     double *omega, *growth;     /* [n] [sqrt(E* / rho)/d] */
     double *error;              /* [n] bound of |growth + i omega - exact| [sqrt(E* / rho)/d] */
     double *cosine, *sine;      /* [n] amplitudes, without a bound; NAN without contacts at a wall [E* d^2] */
+    int64_t zero, first;        /* of the lowest ones: zero motions, which have no rows; those and rattlers' */
+    bool sparse;                /* of the lowest ones: not from LAPACK */
+    double complete;            /* no motion with omega below it is missing, but zero motions [sqrt(E* / rho)/d] */
 } sp_complex_modes;
 SP_API sp_complex_modes sp_complex_modes_none(void);
 /* All of them, with LAPACK: minutes and 32 n^2 bytes at SP_STABILITY_MAX degrees of freedom. The errors are those of
  * discs that contain the eigenvalues (Gershgorin). Serves a symmetric J, too. SP_EREFUSED above that size, and if the
  * vectors are nearly dependent. */
 SP_API sp_status sp_complex_modes_make(const sp_network *net, sp_source source, sp_complex_modes *out, sp_error *err);
+/* The `lowest` motions in the order of omega, then growth, and all that share the last omega, as a pair does; without
+ * rattlers and zero motions: the spins of spheres with two contacts and whole translations, which are the eigenvalues
+ * nearest to 0, and those that are 0 within their errors. For networks of any size, if few are wanted: two-sided
+ * Davidson iteration with a factor of the symmetric part. Discs contain the eigenvalues, and none with a lower omega is
+ * missing: the inertia of the symmetric part bounds those that were not found. SP_EREFUSED if this cannot be proved,
+ * and without convergence. */
+SP_API sp_status sp_complex_modes_lowest(const sp_network *net, const sp_modes_options *opt, int64_t lowest,
+                                         sp_complex_modes *out, sp_error *err);
 SP_API void sp_complex_modes_free(sp_complex_modes *m);
 
 typedef enum sp_modes_verdict {

@@ -112,10 +112,14 @@ class DampedModes(_fields.DampedModes):
 class ComplexModes(_fields.ComplexModes):
     """Motions of a network with prestress and friction, which may grow. Made by network.complex_modes()."""
 
-    def __init__(self, network: Network, source: str) -> None:
+    def __init__(self, network: Network, source: str, lowest: int | None, solver: str, threads: int) -> None:
         self.network = network
         self._c = _core.new("sp_complex_modes", lib.sp_complex_modes_free, lib.sp_complex_modes_none)
-        call(lib.sp_complex_modes_make, network._c, _core.number_of("sp_source", source, "source"), self._c)
+        options = _core.options_of("sp_modes_options", {"source": source, "solver": solver, "threads": threads})
+        if lowest is None:
+            call(lib.sp_complex_modes_make, network._c, options.source, self._c)
+        else:
+            call(lib.sp_complex_modes_lowest, network._c, options, lowest, self._c)
 
 
 class Response(_fields.Response):

@@ -186,10 +186,11 @@ class Network(_fields.Network):
         """Modes with dashpots at all contacts: a fraction of critical damping, or words such as "gamma:0.01"."""
         return DampedModes(self, damping, source)
 
-    @documented("sp_complex_modes_make")
-    def complex_modes(self, source: str = "impulse") -> ComplexModes:
-        """Modes with prestress and friction, of which some may grow."""
-        return ComplexModes(self, source)
+    @documented("sp_complex_modes_lowest")
+    def complex_modes(self, source: str = "impulse", *, lowest: int | None = None, solver: str = "auto",
+                      threads: int = 1) -> ComplexModes:
+        """Modes with prestress and friction, of which some may grow: all of them, or the lowest."""
+        return ComplexModes(self, source, lowest, solver, threads)
 
     @documented("sp_response_make")
     def respond(self, load: str, at: int = 0, axis: int = 0) -> Response:

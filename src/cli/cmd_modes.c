@@ -65,13 +65,18 @@ static sp_status damped(const arguments *a, const cli_file *file, cli_writer *w)
 
 static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w) {
     const bool signals = !a->frequencies_only;
+    const sp_modes_options o = {
+        .source = (sp_source)a->source, .solver = (sp_modes_solver)a->solver, .threads = a->common.threads};
+    const int64_t lowest = a->range.lowest;
+    char complete[SP_NUMBER_TEXT];
     sp_complex_modes m = sp_complex_modes_none();
     cli_comment(w, "file = %s", file->path);
-    if (a->part || a->vectors || a->zero || a->solver == SP_SOLVER_LANCZOS || a->solver == SP_SOLVER_ARPACK)
-        w->status =
-            sp_fail(w->err, SP_EREFUSED,
-                    "modes of prestress with friction come all at once, from the solver dense, and without --vectors");
-    CLI_THEN(w->status, sp_complex_modes_make(&file->network, (sp_source)a->source, &m, w->err));
+    if ((a->part && lowest == 0) || a->vectors || a->zero || a->solver == SP_SOLVER_ARPACK)
+        w->status = sp_fail(w->err, SP_EREFUSED,
+                            "modes of prestress with friction come all at once, or by --lowest, without --vectors and "
+                            "--zero, and not from ARPACK");
+    CLI_THEN(w->status, lowest > 0 ? sp_complex_modes_lowest(&file->network, &o, lowest, &m, w->err)
+                                   : sp_complex_modes_make(&file->network, o.source, &m, w->err));
     cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
     cli_columns(w, SP_COLUMN_NUMBER, "omega", FREQUENCY, "growth", FREQUENCY, NULL);
     if (signals)
@@ -80,17 +85,21 @@ static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w
     cli_value(w, "pressure", file->packing.pressure);
     cli_comment(w, "dimension = %d", file->network.dim);
     cli_comment(w, "carrying = %d", file->network.n);
-    cli_comment(w, "rattler_modes = %lld", (long long)m.rattlers);
+    cli_comment(w, "rattler_modes = %lld", (long long)file->network.rattlers * file->network.dof);
+    if (lowest > 0)
+        cli_comment(w, "zero_motions = %lld", (long long)m.zero);
     cli_comment(w, "pairs = %lld", (long long)m.pairs);
     if (signals)
         cli_comment(w, "source = %s", cli_source_names[a->source]);
     cli_comment(w, "skew = %.3g", sp_network_skew(&file->network));
-    cli_comment(w, "method = dense");
+    cli_comment(w, "method = %s", m.sparse ? "sparse" : "dense");
+    if (lowest > 0)
+        cli_comment(w, "complete = 0:%s", sp_number_text(m.complete, complete));
     for (int64_t k = 0; k < m.n && w->status == SP_OK; k++)
         if (signals)
-            cli_row(w, k, m.omega[k], m.growth[k], m.cosine[k], m.sine[k], m.error[k]);
+            cli_row(w, m.first + k, m.omega[k], m.growth[k], m.cosine[k], m.sine[k], m.error[k]);
         else
-            cli_row(w, k, m.omega[k], m.growth[k], m.error[k]);
+            cli_row(w, m.first + k, m.omega[k], m.growth[k], m.error[k]);
     sp_complex_modes_free(&m);
     return w->status;
 }
@@ -285,8 +294,10 @@ const cli_syntax cmd_modes_syntax = {
         "participation of modes of equal frequencies are not definite. With --prestress and tangential forces at rest "
         "the table has all motions exp(growth t) (cosine cos(omega t) + sine sin(omega t)), columns n, omega, growth, "
         "cosine, sine and error, the bound of |growth + i omega - exact|: a complex pair of omega^2 has two rows, "
-        "which grow and decay (at most 6000 degrees of freedom). A packing that does not touch the bottom (top) wall "
-        "has no source (detector): a (b) is nan, and a comment says none. --set takes keys of the group network.\n"
+        "which grow and decay (at most 6000 degrees of freedom). --lowest K gives the K lowest that are no zero "
+        "motions, of networks of any size; the comment complete says up to which omega none is missing. A packing that "
+        "does not touch the bottom (top) wall has no source (detector): a (b) is nan, and a comment says none. --set "
+        "takes keys of the group network.\n"
         "\n"
         "The comments count the zero modes of the packing, whichever modes are printed: zero_modes = rattler_modes + "
         "free_spins (a grain that turns alone, such as a sphere with two contacts) + rigid_motions (grains that hang "
@@ -389,7 +400,8 @@ static double expected_modes(const arguments *a, const sp_network_size *net) {
 
 static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *err) {
     const arguments *a = user;
-    if (file->network.carried && !a->stability && sp_network_dofs(&file->network) > SP_STABILITY_MAX)
+    if (file->network.carried && !a->stability && a->range.lowest == 0 &&
+        sp_network_dofs(&file->network) > SP_STABILITY_MAX)
         return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom, must be at most %d for modes of a nonsymmetric K",
                        (long long)sp_network_dofs(&file->network), SP_STABILITY_MAX);
     const sp_network_size net = sp_network_size_of(&file->network, sp_packing_height(&file->packing));
@@ -397,9 +409,9 @@ static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *e
         .vectors = !a->frequencies_only, .solver = (sp_modes_solver)a->solver, .threads = a->common.threads};
     const double modes = fmax(0, expected_modes(a, &net));
     sp_cost cost = sp_cost_modes(&net, &o, &a->range, modes, &p->machine);
-    if (a->stability || a->damping.value > 0) {
+    if (a->stability || a->damping.value > 0 || file->network.carried) {
         cost.cpu = cost.wall = NAN;
-        cli_comment(&p->w, "nan: there is no law for --stability and --damping");
+        cli_comment(&p->w, "nan: there is no law for --stability, --damping, and --prestress with friction");
     }
     (void)err;
     cli_plan_add(p, "network", 1, sp_cost_result(SP_RESULT_NETWORK, &net, 1, &p->machine), 0);

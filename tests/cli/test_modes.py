@@ -87,7 +87,42 @@ def growing():
     exact, own = np.sort(np.sqrt(network(N200, True).turned_modes[0]).real), table("modes", N200, "--prestress")
     rattlers = int(own.notes["rattler_modes"])
     assert np.abs(own["omega"][rattlers:] - exact).max() < 1e-9 * exact[-1] and not own["omega"][:rattlers].any()
-    refused(path, "modes", path, "--prestress", "--lowest", 3, status=1)
+    refused("", "modes", path, "--prestress", "--band", "0:1", status=1)
+
+
+def lowest_of_growing():
+    """The lowest motions of prestress and friction, from a sparse factor, are those of LAPACK within the errors of both,
+    with their amplitudes; none is missing, zero motions are left out, and a pair that grows has both its rows."""
+    disks = {"dimension": 2, "pressure": 1e-2, "width": 15, "grains": 400}
+    walls = {"dimension": 3, "pressure": 1e-2, "width": 5, "grains": 230}
+    cell = {"dimension": 3, "pressure": 1e-3, "cell": "periodic", "friction": 0.5, "grains": 200}
+    pairs = diverging = 0
+    for few, packing, words in ((25, disks, []), (16, disks, ["--threshold=0.18"]), (90, walls, []), (15, cell, [])):
+        path = pack("lowest.h5", protocol="quick", **{"friction": 0.8} | packing)
+        words = ["modes", path, "--prestress", *words]
+        whole, part = table(*words), table(*words, "--lowest", few, "--solver=lanczos")
+        assert part.notes["method"] == "sparse" and whole.notes["method"] == "dense", words
+        assert part["n"][0] == int(part.notes["zero_motions"]) + int(whole.notes["rattler_modes"])
+        # what is 0: at most the imbalance of the forces, far below the lowest omega
+        kept = np.hypot(whole["omega"], whole["growth"]) > 1e-4 * whole["omega"][-1]
+        of = {name: whole[name][kept][:len(part)] for name in whole.names}
+        apart = np.hypot(part["omega"] - of["omega"], part["growth"] - of["growth"])
+        assert few <= len(part) <= few + 1 and np.all(apart <= part["error"] + of["error"]), words
+        assert np.all(part["error"] < 1e-8), words
+        assert packing == cell or np.abs(part["sine"] - of["sine"]).max() < 1e-9 * np.abs(of["sine"]).max(), words
+        # up to `complete` the whole table has no other rows
+        until = float(part.notes["complete"].split(":")[1])
+        assert np.sum(whole["omega"][kept] < until - 1e-9) == len(part), words
+        grow = part["growth"] > part["error"]
+        assert np.sum(grow) == np.sum(part["growth"] < -part["error"])
+        assert np.sum(grow & (part["omega"] > 0)) == int(part.notes["pairs"])
+        pairs, diverging = pairs + int(part.notes["pairs"]), diverging + np.sum(grow & (part["omega"] == 0))
+    assert pairs > 0 and diverging > 0
+    dense = table(*words, "--lowest", few, "--solver=dense")
+    assert dense.notes["method"] == "dense" and np.array_equal(dense["n"], part["n"])
+    assert np.all(np.abs(dense["omega"] - part["omega"]) <= dense["error"] + part["error"])
+    assert table(*words, "--lowest", few, "--solver=lanczos", "--threads=2").rows == part.rows
+    refused("", "modes", path, "--prestress", "--lowest", 100000)
 
 
 def overwriting():
@@ -103,4 +138,4 @@ def overwriting():
     assert packing.read_bytes() == before and vectors.read_bytes() == kept and not pathlib.Path("t.tsv").exists()
 
 
-main(parts, chain, growing, overwriting)
+main(parts, chain, growing, lowest_of_growing, overwriting)

@@ -102,6 +102,8 @@ def test_modes():
         assert np.array_equal(read[name], ours, equal_nan=True), (name, "gamma")
     all_equal(table("modes", "P.h5", "--prestress"), packing().network(prestress=True).complex_modes(),
               ["omega", "growth", "cosine", "sine", "error"], "complex")
+    all_equal(table("modes", "P.h5", "--prestress", "--lowest", 4),
+              packing().network(prestress=True).complex_modes(lowest=4), ["omega", "growth", "sine"], "lowest complex")
     command("modes", "P.h5", "--lowest", 5, "--vectors", "V.h5", "--quiet", "-o", "v.tsv")
     network.modes(lowest=5).save("W.h5")
     assert filecmp.cmp("V.h5", "W.h5", shallow=False), "the files of vectors differ"
