@@ -301,7 +301,7 @@ SP_API sp_pack_spec sp_pack_spec_resolve(const sp_pack_spec *given);
 SP_API int32_t sp_pack_stages(const sp_pack_spec *spec);
 /* Pressure of a stage, 0 .. sp_pack_stages - 1 [E*]. */
 SP_API double sp_pack_stage_pressure(const sp_pack_spec *spec, int32_t stage);
-/* Where the path is at a stage, in multiples of its strain: 0 up to the pressure. */
+/* The strain of a stage along the path: of its largest component, with the sign of that. 0 up to the pressure. */
 SP_API double sp_pack_stage_strain(const sp_pack_spec *spec, int32_t stage);
 /* Moment <d^k>, k >= 0, of the distribution of diameters (of a list: of its entries). This and the next two expect a
  * spec that is checked and resolved. */

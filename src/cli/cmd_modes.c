@@ -64,7 +64,7 @@ static sp_status damped(const arguments *a, const cli_file *file, cli_writer *w)
 /* ---- prestress with friction: modes that may grow --------------------------------------------------------------- */
 
 static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w) {
-    const bool signals = !a->frequencies_only;
+    const bool signals = !a->frequencies_only, walls = sp_network_touches(&file->network, SP_BOTTOM);
     const sp_modes_options o = {
         .source = (sp_source)a->source, .solver = (sp_modes_solver)a->solver, .threads = a->common.threads};
     const int64_t lowest = a->range.lowest;
@@ -73,8 +73,8 @@ static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w
     cli_comment(w, "file = %s", file->path);
     if ((a->part && lowest == 0) || a->vectors || a->zero || a->solver == SP_SOLVER_ARPACK)
         w->status = sp_fail(w->err, SP_EREFUSED,
-                            "modes of prestress with friction come all at once, or by --lowest, without --vectors and "
-                            "--zero, and not from ARPACK");
+                            "modes with prestress and friction: must be all of them or --lowest K, without --vectors, "
+                            "--zero and --solver arpack");
     CLI_THEN(w->status, lowest > 0 ? sp_complex_modes_lowest(&file->network, &o, lowest, &m, w->err)
                                    : sp_complex_modes_make(&file->network, o.source, &m, w->err));
     cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
@@ -90,14 +90,15 @@ static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w
         cli_comment(w, "zero_motions = %lld", (long long)m.zero);
     cli_comment(w, "pairs = %lld", (long long)m.pairs);
     if (signals)
-        cli_comment(w, "source = %s", cli_source_names[a->source]);
+        cli_comment(w, "source = %s", walls ? cli_source_names[a->source] : "none");
     cli_comment(w, "skew = %.3g", sp_network_skew(&file->network));
     cli_comment(w, "method = %s", m.sparse ? "sparse" : "dense");
     if (lowest > 0)
         cli_comment(w, "complete = 0:%s", sp_number_text(m.complete, complete));
     for (int64_t k = 0; k < m.n && w->status == SP_OK; k++)
         if (signals)
-            cli_row(w, m.first + k, m.omega[k], m.growth[k], m.cosine[k], m.sine[k], m.error[k]);
+            cli_row(w, m.first + k, m.omega[k], m.growth[k], walls ? m.cosine[k] : NAN, walls ? m.sine[k] : NAN,
+                    m.error[k]);
         else
             cli_row(w, m.first + k, m.omega[k], m.growth[k], m.error[k]);
     sp_complex_modes_free(&m);

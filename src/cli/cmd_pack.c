@@ -162,11 +162,17 @@ const cli_syntax cmd_pack_syntax = {
         "FILE ends in .h5 (HDF5) or .txt (text). Without SCENE all keys have their defaults, except those of --set. A "
         "warning says before the work if the box will be lower than 6 diameters. If the compression is interrupted, "
         "the same command continues it: the state is kept in FILE.state. With packing.history the packing at each of "
-        "its pressures is saved beside FILE (P.stage1.h5).\n"
+        "its pressures is saved beside FILE (P.stage1.h5). So is the packing at each step of packing.path, a path of "
+        "strain of a periodic cell or a box; the table then has a row for each stage, the first that before the "
+        "strain: strain (of the path's largest component), volume, the stresses (compression positive), and "
+        "mobilised, the share of contacts at Coulomb's limit.\n"
         "\n"
         "  sonopack pack packings/single.cfg --seed 7 -o P.h5\n"
         "  sonopack pack --set packing.grains=200 --set packing.pressure=1e-5 -o P.txt\n"
         "  sonopack pack --set packing.cell=periodic --set packing.friction=0 -o cell.h5\n"
+        "  sonopack pack --set packing.cell=periodic --set packing.path.strain=[0,0.02,0] --set "
+        "packing.path.lateral=stress "
+        "-o B.h5\n"
         "  sonopack pack --dry-run packings/spheres.cfg -o P.h5\n"
         "\n"
         "With --engine lammps the grains are compressed by LAMMPS (pair_style granular), for packings that need more "
@@ -186,6 +192,7 @@ typedef struct compression {
     bool watched; /* `left' has begun */
     double logged_at;
     const char *phase; /* that was last logged */
+    int32_t made;      /* stages that are saved */
     bool stopping;     /* Ctrl-C was pressed */
     double stop_begun; /* CPU time when it was */
 } compression;
@@ -269,6 +276,7 @@ static sp_status save_stage(const sp_packing *stage, int32_t index, void *user, 
     sp_status status = stage_path(c->arguments->common.output, index, path, err);
     CLI_THEN(status, cli_save_packing(&p, path, err));
     sp_free(p.scene);
+    c->made = index + 1;
     c->state.due = true; /* else the same command would find this file in its way */
     return status;
 }
@@ -289,7 +297,7 @@ static sp_status may_write_stages(const compression *c, sp_error *err) {
 static void add_path(const sp_pack_spec *spec, const sp_packing *p, const sp_statics *statics, int32_t stage,
                      cli_writer *w) {
     const double stress[6] = {statics->s_xx, statics->s_yy, statics->s_zz, statics->s_yz, statics->s_xz, statics->s_xy};
-    cli_put(w, stage);
+    cli_put(w, stage + 1);
     cli_put(w, sp_pack_stage_strain(spec, stage));
     cli_put(w, sp_packing_volume(p));
     for (int c = 0; c < 6; c++)
@@ -337,19 +345,20 @@ static void summary_columns(const sp_scene *scene, cli_writer *w) {
     cli_columns(w, SP_COLUMN_NUMBER, "mobilised", "", NULL);
 }
 
-/* A row of the packing, after those of the stages of a path, which may be of an earlier run. */
-static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_packing *p, sp_error *err) {
+/* Rows of the stages of a path before this one, which may be of an earlier run, and of the packing; NULL: there is
+ * none. */
+static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_packing *p, int32_t before,
+                           sp_error *err) {
     sp_table t = sp_table_none();
     cli_writer w = {.table = &t, .err = err};
     char strain[160] = "";
     const sp_pack_spec *spec = &scene->pack;
-    const int32_t last = sp_pack_stages(spec) - 1;
     for (int c = 0; c < spec->strain_count; c++)
         snprintf(strain + strlen(strain), sizeof strain - strlen(strain), "%s%.10g", c ? " " : "", spec->strain[c]);
     if (spec->strain_count > 0)
         cli_comment(&w, "path_strain = %s", strain);
     summary_columns(scene, &w);
-    for (int32_t k = 0; k < last && spec->strain_count > 0 && w.status == SP_OK; k++) {
+    for (int32_t k = 0; k < before && spec->strain_count > 0 && w.status == SP_OK; k++) {
         char path[SP_PATH_MAX];
         sp_packing stage = sp_packing_none();
         w.status = stage_path(a->common.output, k, path, err);
@@ -357,7 +366,8 @@ static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_p
         CLI_THEN(w.status, (add_summary(scene, &stage, k, &w), w.status));
         sp_packing_free(&stage);
     }
-    CLI_THEN(w.status, (add_summary(scene, p, last, &w), w.status));
+    if (p && w.status == SP_OK)
+        add_summary(scene, p, before, &w);
     CLI_THEN(w.status, cli_write_table_to(&a->common, NULL, &t, err));
     sp_table_free(&t);
     return w.status;
@@ -449,7 +459,11 @@ static sp_status make_and_save(const arguments *a, sp_scene *scene, const sp_pac
         unlink(c.state.path);
     sp_free(c.state.found);
     sp_free(c.state.last);
-    CLI_THEN(status, summarise(a, scene, p, err));
+    if (status == SP_EFAILED && c.made > 0 && scene->pack.strain_count > 0) {
+        sp_error none = {0};
+        summarise(a, scene, NULL, c.made, &none); /* the path ended early: what there is of it */
+    }
+    CLI_THEN(status, summarise(a, scene, p, sp_pack_stages(&scene->pack) - 1, err));
     return status;
 }
 

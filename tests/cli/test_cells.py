@@ -134,7 +134,7 @@ def paths():
     words = ["pack", *sets("packing.path.strain=[0,0.03,0]", "packing.path.turns=[1,0.5]", "packing.path.lateral=stress",
                            "packing.path.steps=2", grains=60, cell="periodic", seed=2)]
     rows = table(*words, "-o", "path.h5")
-    assert list(rows["stage"]) == [0, 1, 2, 3] and list(rows["strain"]) == [0, 0.5, 1, 0.5]
+    assert list(rows["stage"]) == [1, 2, 3, 4] and np.allclose(rows["strain"], [0, 0.015, 0.03, 0.015])
     assert np.allclose(rows["s_xx"][1:], 1e-4, rtol=1e-5) and rows["s_yy"][2] > 1.2e-4
     assert np.all(np.abs(rows["s_xy"][1:]) < 1e-9)
     files = [f"path.stage{k}.h5" for k in (1, 2, 3)] + ["path.h5"]
@@ -146,6 +146,8 @@ def paths():
     run("pack", "again.cfg", "-o", "again.h5")
     assert (table("statics", "again.h5")["p"] == table("statics", "path.stage3.h5")["p"]).all()
     refused("packing.path.strain", "pack", "-o", "no.h5", *sets("packing.path.strain=[0,0.1,0]"))
+    apart = tried("pack", "-o", "apart.h5", *sets("packing.path.strain=[-0.02,-0.02,0]", "packing.path.steps=20", grains=60, cell="periodic"))
+    assert apart.returncode == 1 and "packing.path.strain" in apart.stderr and len(apart.stdout.splitlines()) > 3
     refused("packing.path.steps", "pack", "-o", "no.h5", *sets("packing.path.strain=[0,0.1,0]", "packing.path.steps=2", cell="periodic"))
 
 

@@ -149,7 +149,7 @@ def stages():
         keys = "pressure = 1e-3; history = [2e-3]; path = { strain = [0.0, 0.0, 0.01]; steps = 4; turns = [1.0, 0.0]; };"
         _, moduli = same_as_separate(base.replace("@", keys), {"packing.stages": ["1", "2", "4", "6", "0"]},
                                      "packing.stages=[1, 2, 4, 6, 0]")
-        assert list(moduli["stage"]) == [2, 4, 6, 10, 1] and list(moduli["strain"]) == [0, 0.5, 1, 0, 0]
+        assert list(moduli["stage"]) == [2, 4, 6, 10, 1] and list(moduli["strain"]) == [0, 0.005, 0.01, 0, 0]
         assert np.allclose(moduli["p"][[0, 4]], [1e-3, 2e-3], rtol=1e-3) and (moduli["p_err"][1:3] > 1e-6).all()
     apart = MINIMUM.replace("@", "pressure = 1e-3; path = { strain = [-0.04, -0.04, 0.0]; steps = 10; };")
     store = tempfile.mkdtemp(dir=".")

@@ -124,7 +124,7 @@ TEST(lateral_stress) {
         s = sp_pack_spec_resolve(&s);
         assert_int_equal(to.count, 6);
         for (int k = 0; k < to.count; k++) {
-            assert_close(sp_pack_stage_strain(&s, k), at[k], 1e-15);
+            assert_close(sp_pack_stage_strain(&s, k), 0.02 * at[k], 1e-15);
             assert_close(to.stress[k][0], 1e-3, 1e-9);
             assert_close(to.stress[k][5], 2e-5, 1e-9);
             assert_close(to.pressure[k], 0.5 * (to.stress[k][0] + to.stress[k][1]), 1e-9);

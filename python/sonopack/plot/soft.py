@@ -55,11 +55,13 @@ def draw(soft: SoftModes, law: PowerLaw, material: Material | None, ax: Any) -> 
     for name, colour in (("all modes", GREY), ("no plane waves", ink(1))):
         value, error = soft.density(edges, phonons=colour == GREY)
         some = value > 0
-        points(axes[0], middle[some], time * value[some], time * error[some], hollow=colour != GREY, color=colour, label=name)
+        bars = np.minimum(error[some], 0.9 * value[some])  # a bin of one packing would reach to 0
+        points(axes[0], middle[some], time * value[some], time * bars, hollow=colour != GREY, color=colour, label=name)
     x = np.geomspace(soft.omega.min(), law.high)
     share = law.modes / soft.dofs.sum() * (law.exponent + 1) / law.high**(law.exponent + 1)
     axes[0].plot(rate * x, time * share * x**law.exponent, color="black",
-                 label=rf"$\omega^{{{law.exponent:.2f} \pm {law.error:.2f}}}$, $\omega < {number(rate * law.high, 2)}$")
+                 label=rf"$\omega^{{{law.exponent:.2f} \pm {law.error:.2f}}}$, $\omega < {number(rate * law.high, 2)}$, goodness "
+                       f"{law.goodness:.2f}")
     for some, colour in ((~soft.is_phonon, ink(1)), (soft.is_phonon, GREY)):
         axes[1].plot(rate * soft.omega[some], soft.participation[some], ".", ms=1.5, color=colour, rasterized=True)
     first = float(np.nanmedian(soft.first))

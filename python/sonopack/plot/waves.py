@@ -120,10 +120,9 @@ def path(given: Sequence[Input], *, ax: Any = None) -> Any:
     axes = column_of_panels(2, ax, 0.62)
     unit, shown = common_unit(given, "s_xx"), STRESSES[:1]
     for j, (one, name) in enumerate(zip(given, names(given))):
-        tensor = [float(word) for word in one.table.metadata.get("path_strain", "").split()]
-        if not tensor:
+        if "path_strain" not in one.table.metadata:
             raise refuse(one.name, "not of a path of strain: `sonopack pack' with packing.path.strain prints one")
-        strain = one.column("strain") * max(tensor, key=abs)
+        strain = one.column("strain")
         stress = {c: one.column(c) for c in STRESSES if c in one.table}
         largest = max(np.abs(values).max() for values in stress.values())
         shown = [c for c in STRESSES if c in shown or np.abs(stress.get(c, np.zeros(1))).max() > 1e-4 * largest]

@@ -34,7 +34,7 @@ static double mean(const dynamics *d, const double stress[6]) { return (stress[0
 static bool on_path(const compression *run) { return run->stage > run->whole->history_count; }
 
 bool sp_squeeze_strained(const compression *run) {
-    return !on_path(run) || run->strained == sp_pack_stage_strain(run->whole, run->stage);
+    return !on_path(run) || run->strained == sp_path_place(run->whole, run->stage);
 }
 
 /* Whether a component of the cell gives way to its stress. */
@@ -78,7 +78,7 @@ sp_status sp_squeeze_check(const compression *run, sp_error *err) {
         return sp_fail_key(err, SP_EFAILED, "packing.path.strain",
                            ": at %.6g of it the packing has come apart: its mean normal stress is %.3g E*",
                            run->strained, now);
-    if (run->flow < MOST_FLOW || run->spec->stress_count == 0)
+    if (run->flow < MOST_FLOW || (run->spec->stress_count == 0 && !on_path(run)))
         return SP_OK;
     sp_dynamics_stress(&run->d, stress);
     return sp_fail_key(
@@ -91,7 +91,7 @@ sp_status sp_squeeze_check(const compression *run, sp_error *err) {
 /* Strain rates along the path, and 0 from its end on. The last step is as short as it takes. */
 static void follow_path(compression *run, double dt) {
     dynamics *d = &run->d;
-    const double to = sp_pack_stage_strain(run->whole, run->stage), left = to - run->strained;
+    const double to = sp_path_place(run->whole, run->stage), left = to - run->strained;
     double strain[6], largest = 0;
     sp_path_strain(run->whole, strain);
     for (int c = 0; c < 6; c++)
@@ -133,7 +133,7 @@ static void squeeze(compression *run, double dt) {
         if (!is_free(run, a))
             continue;
         d->strain_rate[a] = rate * (tensor ? excess[a] : average);
-        run->flow_rate = fmax(run->flow_rate, fabs(d->strain_rate[a] - rate * average));
+        run->flow_rate = fmax(run->flow_rate, fabs(d->strain_rate[a] - (on_path(run) ? 0 : rate * average)));
     }
     for (int k = 0; k < 3 && tensor; k++) { /* xy, xz, yz */
         if (!is_free(run, 5 - k))

@@ -210,7 +210,7 @@ static sp_status finish(const minimum *m, sp_packing *out, sp_error *err) {
 static void begin_stage(minimum *m, int32_t k) {
     const sp_pack_spec *s = m->spec;
     const bool path = k > s->history_count;
-    const double to = sp_pack_stage_strain(s, k), step = to - m->strained;
+    const double to = sp_path_place(s, k), step = to - m->strained;
     double e[TENSOR];
     cell_strain by = {.grow = {1, 1, 1}};
     m->aim = sp_pack_stage_pressure(s, k);

@@ -21,8 +21,9 @@ sp_status sp_cell_spec_check(const sp_pack_spec *given, const sp_pack_spec *s, s
 double sp_cell_spec_height(const sp_pack_spec *s);
 sp_pack_spec sp_cell_spec_gas(const sp_pack_spec *s);
 
-/* Paths of strain (stages.c): the strain of 1 along the path, xx yy zz yz xz xy; whether a component is free to hold
- * its stress; the rows of the check. */
+/* Paths of strain (stages.c): where a stage is, in multiples of the strain; this strain, xx yy zz yz xz xy; whether a
+ * component is free to hold its stress; the rows of the check. */
+double sp_path_place(const sp_pack_spec *s, int32_t stage);
 void sp_path_strain(const sp_pack_spec *s, double strain[6]);
 bool sp_path_frees(const sp_pack_spec *s, int component);
 sp_status sp_path_check(const sp_pack_spec *s, sp_error *err);

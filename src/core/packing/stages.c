@@ -8,16 +8,17 @@ enum { STAGES_MOST = 1000000 };
 
 static double turn_of(const sp_pack_spec *s, int32_t k) { return s->turn_count > 0 ? s->turns[k] : 1; }
 
+/* With its sign. */
 static double largest_strain(const sp_pack_spec *s) {
     double largest = 0;
     for (int32_t c = 0; c < s->strain_count; c++)
-        largest = fmax(largest, fabs(s->strain[c]));
+        largest = fabs(s->strain[c]) > fabs(largest) ? s->strain[c] : largest;
     return largest;
 }
 
 /* Steps of the path from 0 to 1. */
 static double unit_steps(const sp_pack_spec *s) {
-    return s->strain_steps > 0 ? s->strain_steps : fmax(1, ceil(largest_strain(s) / 1e-3 - 1e-6));
+    return s->strain_steps > 0 ? s->strain_steps : fmax(1, ceil(fabs(largest_strain(s)) / 1e-3 - 1e-6));
 }
 
 /* Steps of one leg of the path, from one turn to the next; the last may be a shorter one. */
@@ -46,7 +47,7 @@ double sp_pack_stage_pressure(const sp_pack_spec *s, int32_t stage) {
     return stage < s->history_count ? s->history[stage] : s->pressure;
 }
 
-double sp_pack_stage_strain(const sp_pack_spec *s, int32_t stage) {
+double sp_path_place(const sp_pack_spec *s, int32_t stage) {
     double left = stage - s->history_count, from = 0;
     for (int32_t leg = 0; leg < legs_of(s) && left > 0; leg++) {
         const double steps = leg_steps(s, leg), to = turn_of(s, leg);
@@ -56,6 +57,10 @@ double sp_pack_stage_strain(const sp_pack_spec *s, int32_t stage) {
         from = to;
     }
     return from;
+}
+
+double sp_pack_stage_strain(const sp_pack_spec *s, int32_t stage) {
+    return sp_path_place(s, stage) * largest_strain(s);
 }
 
 bool sp_path_frees(const sp_pack_spec *s, int component) {
@@ -72,7 +77,7 @@ void sp_path_strain(const sp_pack_spec *s, double strain[6]) {
 
 static sp_status check_strain(const sp_pack_spec *s, sp_error *err) {
     const int count = s->dim == 2 ? 3 : 6;
-    const double largest = largest_strain(s);
+    const double largest = fabs(largest_strain(s));
     if (s->strain_count != count || !s->strain)
         return sp_fail_key(err, SP_EINVAL, "packing.path.strain",
                            " = (%d numbers): must be %s in packing.dimension = %d, or no numbers", s->strain_count,

@@ -177,9 +177,10 @@ sp_status sp_state_columns(int64_t n, const sp_sample *const *s, bool means, sp_
     if (status != SP_OK || !means || !(fraction || stage))
         return status;
     status = sp_columns_add(t, 1, column + 3, err);
-    return status == SP_OK ? sp_table_add_comment(t, err, "p: mean over the packings, p_err its standard error%s",
-                                                  stage ? "; strain: in multiples of packing.path.strain" : "")
-                           : status;
+    return status == SP_OK
+               ? sp_table_add_comment(t, err, "p: mean over the packings, p_err its standard error%s",
+                                      stage ? "; strain: of the largest component of packing.path.strain" : "")
+               : status;
 }
 
 double sp_state_pressure(int64_t n, const sp_sample *const *s, double *error) {

@@ -149,7 +149,7 @@ static const sp_h5_field optional_field[] = {
     SAMPLE(material, SP_H5_U64, "1", "hash of the keys beside those above: samples that differ in it are not averaged"),
     SAMPLE(fraction, SP_H5_F64, "1", "packing.fraction, which decides the cell in place of the pressure"),
     SAMPLE(stage, SP_H5_I32, "1", "packings of history and path of strain up to this one"),
-    SAMPLE(strain, SP_H5_F64, "1", "where the path is, in multiples of packing.path.strain"),
+    SAMPLE(strain, SP_H5_F64, "1", "of the largest component of packing.path.strain"),
     SAMPLE(mean_stress, SP_H5_F64, "E*", "mean normal stress of the packing, at a fraction or a stage"),
 };
 enum { OPTIONAL_FIELDS = sizeof optional_field / sizeof *optional_field };
