@@ -10,6 +10,7 @@ import shutil
 import struct
 import subprocess
 import tempfile
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -82,6 +83,9 @@ def read(path: str, form: Form = Form()) -> list[Trace]:
 
 def _check(trace: Trace) -> Trace:
     """Cuts missing values off the ends, tells clipped ones, and refuses what no trace can be."""
+    size = np.abs(trace.f[np.isfinite(trace.f)]).max(initial=0)
+    if not np.all(np.isfinite(trace.t)) or not trace.step > 0 or not 1e-100 < size < 1e100:
+        raise Failed(f"{trace.name}: largest value {size:g}, interval {trace.step:g}: must be numbers, values within 1e-100 and 1e100")
     known = np.flatnonzero(~np.isnan(trace.f))
     if not len(known) or len(known) <= known[-1] - known[0]:
         missing = int(np.sum(np.isnan(trace.f)))
@@ -114,6 +118,8 @@ def _clipped(f: Floats) -> int:
 def even(t: Floats, name: str) -> tuple[Floats, str]:
     """Times at equal intervals in place of times that are rounded, and a note if these are far from them."""
     n = len(t)
+    if n < LEAST or not np.all(np.abs(t) < 1e100):
+        raise Failed(f"{name}: {n} times, must be {LEAST} numbers or more")
     fit = np.polyfit(np.arange(n), t, 1)[::-1]
     if not fit[1] > 0:
         raise Failed(f"{name}: times must rise")
@@ -266,7 +272,7 @@ def _columns(path: str, titles: list[tuple[str, str]], values: Floats, said: dic
 
 
 def _float(text: str) -> float:
-    return float(text) if _NUMBER.fullmatch(text) else 0.0
+    return float(text) if _NUMBER.fullmatch(text) and math.isfinite(float(text)) else 0.0
 
 
 def _find(path: str, names: Sequence[str], name: str) -> int:
@@ -297,8 +303,8 @@ def _time_column(path: str, names: Sequence[str], values: Floats, said: dict[str
 def _own(path: str) -> list[Trace]:
     """A table of signals of this program, or one that `trace --write` wrote."""
     table = Table.read(path)
-    if "t" not in table or len(table.names) < 2:
-        raise Failed(f"{path}: a table of signals has the columns t and F, or t, F1, F2, ...")
+    if "t" not in table or table["t"].dtype.kind not in "fi" or len(table.names) < 2:
+        raise Failed(f"{path}: a table of signals has numbers t and F, or t, F1, F2, ...")
     unit = table.units["t"]
     t, note = even(table["t"].astype(float), path)
     found = []
@@ -314,9 +320,14 @@ def _own(path: str) -> list[Trace]:
 def _wav(path: str) -> list[Trace]:
     import scipy.io.wavfile
     try:
-        rate, data = scipy.io.wavfile.read(path)
-    except ValueError as fault:
-        raise Failed(f"{path}: {fault}") from None
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "Chunk")
+            warnings.filterwarnings("error", "Reached EOF")
+            rate, data = scipy.io.wavfile.read(path)
+    except (ValueError, ZeroDivisionError, UnboundLocalError, struct.error, UserWarning) as fault:
+        raise Failed(f"{path}: is no whole WAV: {fault}") from None
+    if rate < 1 or not len(data):
+        raise Failed(f"{path}: {len(data)} samples at {rate} a second")
     channels = data.reshape(len(data), -1).T
     if data.dtype.kind != "f":
         channels = (channels - (128.0 if data.dtype == np.uint8 else 0.0)) / (np.iinfo(data.dtype).max + 1.0)
@@ -326,8 +337,8 @@ def _wav(path: str) -> list[Trace]:
 def _sac(path: str, data: bytes) -> Trace:
     """A time series at equal intervals: 70 numbers, 40 integers and 192 letters, then the values."""
     order = "<" if data[304] else ">"
-    numbers, integers = struct.unpack(order + "70f", data[:280]), struct.unpack(order + "40i", data[280:440])
-    points = integers[9]
+    header = struct.unpack(order + "70f40i", data[:440].ljust(440, b"\0"))
+    numbers, integers, points = header[:70], header[70:], header[79]
     if len(data) < 632 + 4 * points or points < 1:
         raise Failed(f"{path}: {points} values in {len(data)} bytes: the file is cut off")
     if integers[15] != 1 or integers[35] != 1 or not numbers[0] > 0:

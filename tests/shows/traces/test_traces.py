@@ -197,6 +197,7 @@ def test_binary(tmp_path, sonopack):
     assert np.allclose(one.f, other.f, atol=1e-6) and np.allclose(one.t, other.t, rtol=1e-6)
 
 
+GLASS = "E=7e10,nu=0.2,rho=2500,d=1e-3"
 WRONG = {"t,F\n" + "0,1\n" * 50: "must rise", "1.5,2\n" * 9: "9 lines", "word\n" * 50: "no columns of numbers",
          "t;F\n" + "".join(f"{k};{k % 7},5\n" for k in range(50)).replace("30;", "30;x"): ':32: "30;x2,5": must be numbers',
          "t,F\n" + "".join(f"{k * k},1\n" for k in range(50)): "intervals away", "\n".join("1 2 3 1 2".split() * 10): "--step",
@@ -225,6 +226,13 @@ def test_command(tmp_path, sonopack):
     assert "w.tsv:F2\t6\t" in sonopack("front", "w.tsv").stdout
     ratio = sonopack("trace", "s.csv", "--columns", "t=1,F=CH1,F=3", "--transfer", "1:2", "-q").stdout
     assert re.search("^frequency\tgain\tgain_err\tphase\tphase_err\tspeed\t", ratio, re.M) and "# 1/Q = " in ratio
+    sonopack("chain", "signal", "--grains=20", "--pressure=1e-4", "--until=500", "-o", "c.tsv")
+    own = sonopack_table(tmp_path / "c.tsv")
+    (tmp_path / "m.csv").write_text("t(us),F(N)\n" + rows("{},{}\n", own["t"] * 0.2 + 10, own["F"] + 1e-9 * np.sin(np.arange(own.rows) ** 2)))
+    made = {"t": own["t"], "F": own["F"]}
+    write(tmp_path / "one.tsv", made, {"t": own.units["t"]})
+    sonopack("trace", "m.csv", "--trigger", "10us", "--against", "one.tsv", "--material", GLASS, "-o", "fit.tsv", "-q")
+    assert sonopack_table(tmp_path / "fit.tsv").number("E*") == pytest.approx(2500 * (1e-3 / 0.2e-6) ** 2, rel=1e-3)
     for words in (["--distance", "1"], ["--pulse", "CH3"], ["--window", "3:1"], ["--band", "1:2"], ["--filter", "1:9MHz"],
                   ["--columns", "x=1"], ["--set", "a=1"], ["--units", "si"]):
         assert sonopack("trace", "s.csv", *words, status=2).stderr.startswith("sonopack: ")
@@ -233,3 +241,7 @@ def test_command(tmp_path, sonopack):
 
 def sonopack_table(path):
     return sonopack.Table.read(path)
+
+
+def write(path, columns, units):
+    sonopack.Table.from_columns(columns, units).save(path)
