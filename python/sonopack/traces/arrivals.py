@@ -132,26 +132,27 @@ def crossing(f: Floats, foot: float, top: int, level: float, part: float) -> flo
     return foot
 
 
-def delay(pulse: Floats, f: Floats, pulse_at: Floats, at: Floats) -> tuple[float, float]:
+def delay(pulse: Floats, f: Floats, pulse_at: Floats, at: Floats) -> tuple[float, float, float]:
     """By how many samples the front of f is later than that of the pulse, where the cross-correlation coefficient is largest,
-    and the rms difference that remains over that of the pulse. The pulse is taken from two times of rise before its peak to half
-    of one behind; delays are sought within two times of rise."""
+    the rms difference that remains, and the rms slope of the pulse. The pulse is taken from two times of rise before its peak to
+    half of one behind; delays are sought within two times of rise."""
     rise = max(4, int(pulse_at[5]))
     start, stop = max(0, int(pulse_at[2]) - 2 * rise), min(len(pulse), int(pulse_at[2]) + rise // 2 + 1)
     part = pulse[start:stop]
     guess, reach = int(round(at[2] - pulse_at[2])), 2 * max(rise, int(at[5]))
     shifts = np.arange(max(guess - reach, -start), min(guess + reach, len(f) - stop) + 1)
     if len(shifts) < 3:
-        return math.nan, math.nan
+        return math.nan, math.nan, math.nan
     windows = np.lib.stride_tricks.sliding_window_view(f, len(part))[start + shifts]
     match = windows @ part / np.sqrt(np.sum(windows * windows, axis=1) + 1e-300)
     best = int(np.argmax(match))
     if not 0 < best < len(shifts) - 1:
-        return math.nan, math.nan
+        return math.nan, math.nan, math.nan
     half = int(np.clip(rise // 4, 1, min(best, len(shifts) - 1 - best)))
     place, _ = vertex(match, best, half)
     scale = windows[best] @ part / (part @ part)
-    return float(shifts[0] + place), float(np.sqrt(np.mean((windows[best] / scale - part) ** 2)))
+    rest, slope = windows[best] / scale - part, np.gradient(part)
+    return float(shifts[0] + place), float(np.sqrt(np.mean(rest**2))), float(np.sqrt(np.mean(slope**2)))
 
 
 def noise_like(f: Floats, still: slice, draws: int, seed: int) -> Floats:
@@ -198,14 +199,13 @@ def arrivals(traces: Sequence[Trace], pulse: int = 0, rise: float = 0.1) -> list
             raise Failed(f"{trace.name}: {fault}") from None
     out = []
     for k, (trace, (copies, places, noise)) in enumerate(zip(traces, found)):
-        delays, misfit = np.full(DRAWS + 1, math.nan), 1.0
-        same = abs(trace.step / traces[pulse].step - 1) < 1e-9
-        if same and k != pulse:
+        delays, misfit = np.full(DRAWS + 1, math.nan), 0.0
+        if k != pulse and len(trace.f) * abs(trace.step / traces[pulse].step - 1) < 0.1:
             sent, sent_at, sent_noise = found[pulse]
             both = np.array([delay(*each) for each in zip(sent, copies, _filled(sent_at), _filled(places))])
             delays = both[:, 0] + (trace.t[0] - traces[pulse].t[0]) / trace.step
-            scale = places[0, 3] / sent_at[0, 3]
-            misfit = max(1.0, both[0, 1] / math.hypot(sent_noise, noise / scale))
+            likely = 1.5 * math.hypot(sent_noise, noise * sent_at[0, 3] / places[0, 3])
+            misfit = trace.step * math.sqrt(max(0.0, both[0, 1] ** 2 - likely**2)) / both[0, 2]  # other shapes than the pulse
         times = np.array([trace.t[0] + trace.step * places[:, 0], trace.t[0] + trace.step * places[:, 1],
                           trace.step * delays, trace.t[0] + trace.step * places[:, 2]])
         height, height_err = _with_error(places[:, 3], 0.0)
@@ -213,7 +213,7 @@ def arrivals(traces: Sequence[Trace], pulse: int = 0, rise: float = 0.1) -> list
         errors = np.array([b for _, b in pairs])
         errors[1] = math.hypot(errors[1], trace.step * places[0, 4])
         errors[:2] *= _KEPT
-        errors[2] *= misfit
+        errors[2] = math.hypot(errors[2], misfit)
         out.append(Arrival(np.array([a for a, _ in pairs]), errors, times[:, 1:], height, height_err,
                            noise, float(np.mean(trace.f - copies[0]))))
     return out

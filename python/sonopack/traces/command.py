@@ -268,7 +268,8 @@ def _transfer(arguments: argparse.Namespace, traces: Sequence[Trace]) -> Table:
              **{name: "sqrt(E* / rho)" if own else "m/s" for name in ("speed", "speed_err", "group", "group_err")}}
     loss, error = ratio.q_inverse, ratio.q_inverse_err
     said = {"from": a.name, "to": b.name, "1/Q": f"{loss:.8g}, error {error:.3g}"}
-    said["Q"] = f"{1 / loss:.8g}, error {error / loss**2:.3g}" if loss > 2 * error else f"above {1 / max(loss + 2 * error, 1e-300):.4g}"
+    said["Q"] = (f"{1 / loss:.8g}, error {error / loss**2:.3g}" if loss > 2 * error else f"above {1 / (loss + 2 * error):.4g}"
+                 if loss + 2 * error > 0 else "none: the gain rises with the frequency")
     return Table.from_columns(columns, units, said)
 
 

@@ -18,6 +18,7 @@ from .arrivals import DRAWS, NoArrival, find, noise_like, quiet
 from .read import Trace
 
 _CLEAR = 10.0   # power of a spectrum over that of the noise, from which a frequency is used
+_FLOOR = 1e-4    # of the largest amplitude of a spectrum: what digits and ends of records add where a trace has no noise
 _TAPERS = 7     # of 4 widths, for the coherence
 _LEAST = 5      # frequencies
 
@@ -41,7 +42,10 @@ def _parts(trace: Trace) -> tuple[Floats, float, Floats]:
     except NoArrival as fault:
         raise Failed(f"{trace.name}: {fault}") from None
     still = quiet(trace.f, int(place[1]), int(place[2]))
-    return trace.f - trace.f[still].mean(), float(place[2]), noise_like(trace.f, still, DRAWS, zlib.crc32(trace.f.tobytes()))
+    f, seed = trace.f - trace.f[still].mean(), zlib.crc32(trace.f.tobytes())
+    least = _FLOOR * np.abs(np.fft.rfft(f)).max() / math.sqrt(len(f))
+    noise = noise_like(trace.f, still, DRAWS, seed) + least * np.random.default_rng(seed + 1).normal(size=(DRAWS, len(f)))
+    return f, float(place[2]), noise
 
 
 def transfer(a: Trace, b: Trace, band: tuple[float, float] = (0.0, math.inf)) -> Ratio:
@@ -60,8 +64,8 @@ def transfer(a: Trace, b: Trace, band: tuple[float, float] = (0.0, math.inf)) ->
     late = lag * a.step
     both = np.vstack([fb[use] / fa[use], (fb[use] + nb[:, use]) / (fa[use] + na[:, use])])
     rest = np.unwrap(np.angle(both * np.exp(1j * omega * late)), axis=1)
-    low = slice(0, max(4, len(omega) // 3))
-    start = np.polyfit(omega[low], rest[:, low].T, 1)[1] / (2 * np.pi)
+    third = max(4, len(omega) // 3)
+    start = np.polyfit(omega[:third], rest[:, :third].T, 1)[1] / (2 * np.pi)
     turns = np.round(start)
     shift = b.t[0] - a.t[0]
     phase = rest - 2 * np.pi * turns[:, None] - omega * (late + shift)
@@ -73,9 +77,13 @@ def transfer(a: Trace, b: Trace, band: tuple[float, float] = (0.0, math.inf)) ->
     columns["coherence"] = _coherence(f, np.roll(g, -lag))[use]
     loss, loss_err = _slope(phase / 2, np.log(gain), columns["gain_err"] / gain[0])
     notes = [f"{each.name}: has not decayed at its end, which adds false frequencies: --window cuts it" for each in (a, b)
-             if np.std(each.f[-len(f) // 20:]) > 0.03 * np.ptp(each.f)]
+             if np.std(each.f[-len(f) // 20:]) > 0.01 * np.ptp(each.f)]
     if not way > 0:
         notes.append("speeds need different distances of both traces: --distance")
+    low = int(np.sum(columns["coherence"] < 0.5))
+    if low > 0.1 * len(omega):
+        notes.append(f"the coherence is below 0.5 at {low} of {len(omega)} frequencies: there is more than one wave of the pulse, and "
+                     "phases, speeds and Q mean little; --window cuts echoes and scattered waves off")
     if abs(start[0] - turns[0]) > 0.2:
         notes.append(f"at frequency 0 the phase extrapolates to {start[0] - turns[0]:.2f} turns: it must be 0, so the band begins "
                      "too high, or a sensor is reversed")
@@ -87,7 +95,7 @@ def _clear(spectra: Sequence[npt.NDArray[np.complex128]], within: npt.NDArray[np
     clear, (fa, fb, na, nb) = within, spectra
     for spectrum, noise in ((fa, na), (fb, nb)):
         power = np.abs(spectrum) ** 2
-        clear = clear & (power > np.maximum(_CLEAR * np.mean(np.abs(noise) ** 2, axis=0), 1e-20 * power.max()))
+        clear = clear & (power > _CLEAR * np.mean(np.abs(noise) ** 2, axis=0))
     best = int(np.argmax(np.where(clear, np.abs(fb), 0)))
     dark = np.flatnonzero(~clear)
     low, high = int(np.max(dark[dark < best], initial=-1)) + 1, int(np.min(dark[dark > best], initial=len(clear)))
