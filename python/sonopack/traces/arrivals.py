@@ -1,9 +1,8 @@
 """Arrivals of traces with noise, by four ways, each with its error.
 
-Errors are found by adding noise once more: noise with the spectrum of that before the arrival is added to the trace DRAWS
-times, and the error is the rms change of the arrival (with an interval of sampling / sqrt(12), for the trigger). This holds
-for any way of picking, and for filtered noise. What noise does beyond first order, such as a later pick by Akaike's
-criterion, it overstates."""
+Noise with the spectrum of that before the arrival is added to the trace DRAWS times: the rms change of the arrival, times
+_KEPT, is its error, with an interval of sampling / sqrt(12) for the trigger. This serves any way of picking, and filtered
+noise."""
 from __future__ import annotations
 
 import dataclasses
@@ -20,7 +19,7 @@ from .read import Trace
 WAYS = ("t10", "t_aic", "t_xcorr", "t_peak")
 DRAWS = 64
 QUIET_LEAST = 16   # samples before the arrival, from which the noise is known
-_KEPT = 1.3        # picks stay where noise has put them once: draws move t10 and Akaike's pick less than noise did (measured)
+_KEPT = 1.3        # picks stay where noise has put them once, so draws move them less than noise did (measured)
 _FAILED_MOST = 0.1  # share of draws without an arrival
 
 
@@ -162,7 +161,7 @@ def noise_like(f: Floats, still: slice, draws: int, seed: int) -> Floats:
     n, random = len(f), np.random.default_rng(seed)
     if not part.std() > 0:
         return np.zeros((draws, n))
-    frequency, power = scipy.signal.welch(part, nperseg=min(len(part), 128, max(16, len(part) // 8)), detrend="constant")
+    frequency, power = scipy.signal.welch(part, nperseg=min(len(part), 128, max(16, len(part) // 4)), detrend="constant")
     size = np.sqrt(np.interp(np.arange(n // 2 + 1) / n, frequency[1:], power[1:]))
     turns = random.normal(size=(draws, len(size), 2)) @ np.array([1, 1j])
     drawn = np.fft.irfft(size * turns, n)
@@ -206,13 +205,12 @@ def arrivals(traces: Sequence[Trace], pulse: int = 0, rise: float = 0.1) -> list
             delays = both[:, 0] + (trace.t[0] - traces[pulse].t[0]) / trace.step
             likely = 1.5 * math.hypot(sent_noise, noise * sent_at[0, 3] / places[0, 3])
             misfit = trace.step * math.sqrt(max(0.0, both[0, 1] ** 2 - likely**2)) / both[0, 2]  # other shapes than the pulse
-        times = np.array([trace.t[0] + trace.step * places[:, 0], trace.t[0] + trace.step * places[:, 1],
-                          trace.step * delays, trace.t[0] + trace.step * places[:, 2]])
+        times = trace.t[0] + trace.step * places[:, [0, 1, 1, 2]].T
+        times[2] = trace.step * delays
         height, height_err = _with_error(places[:, 3], 0.0)
         pairs = [_with_error(each, trace.step) for each in times]
         errors = np.array([b for _, b in pairs])
         errors[1] = math.hypot(errors[1], trace.step * places[0, 4])
-        errors[:2] *= _KEPT
         errors[2] = math.hypot(errors[2], misfit)
         out.append(Arrival(np.array([a for a, _ in pairs]), errors, times[:, 1:], height, height_err,
                            noise, float(np.mean(trace.f - copies[0]))))
@@ -229,7 +227,7 @@ def _with_error(values: Floats, step: float) -> tuple[float, float]:
     known = values[1:][np.isfinite(values[1:])]
     if not np.isfinite(values[0]) or len(known) < (1 - _FAILED_MOST) * DRAWS:
         return math.nan, math.nan
-    return float(values[0]), math.hypot(float(np.sqrt(np.mean((known - values[0]) ** 2))), step / math.sqrt(12))
+    return float(values[0]), math.hypot(_KEPT * float(np.sqrt(np.mean((known - values[0]) ** 2))), step / math.sqrt(12))
 
 
 @dataclasses.dataclass
@@ -256,7 +254,7 @@ def line(distance: Floats, arrival: Sequence[Arrival], way: int, through: float 
     found = solve @ (times[use] / errors[use])
     chi2, freedom = float(np.sum((times[use] / errors[use] - base @ found) ** 2)), int(sum(use)) - 1 - free
     drawn = np.array([np.where(np.isfinite(a.draws[way]), a.draws[way], a.times[way]) for a in arrival])[use]
-    scatter = np.std(solve @ (drawn / errors[use][:, None]), axis=1)[0]
+    scatter = _KEPT * np.std(solve @ (drawn / errors[use][:, None]), axis=1)[0]
     jitter = float(np.sqrt(np.linalg.inv(base.T @ base)[0, 0]))
     error = max(scatter, jitter) * math.sqrt(max(1.0, chi2 / freedom if freedom else 1.0))
     return Line(1 / found[0], error / found[0] ** 2, chi2, freedom, float(found[1]) if free else 0.0)

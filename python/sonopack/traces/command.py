@@ -195,7 +195,8 @@ def _filtered(trace: Trace, band: tuple[float, float], unit: float) -> Floats:
         raise usage(f"--filter: limits must be above 0 and below half the rate of samples, {half:.6g}")
     kind = "bandpass" if len(inside) == 2 else "lowpass" if math.isfinite(band[1]) else "highpass"
     sections = scipy.signal.butter(4, np.array(inside) / half if len(inside) == 2 else inside[0] / half, kind, output="sos")
-    out: Floats = scipy.signal.sosfiltfilt(sections, trace.f - np.median(trace.f[:max(8, len(trace.f) // 50)]))
+    out: Floats = scipy.signal.sosfiltfilt(sections, trace.f - np.median(trace.f[:max(8, len(trace.f) // 50)]),
+                                           padtype="even")  # an odd continuation keeps the noise of the first sample
     return out
 
 

@@ -76,7 +76,10 @@ def read(path: str, form: Form = Form()) -> list[Trace]:
     elif b"\0" in data[:4096]:
         raise Failed(f"{path}: is a binary file, must be WAV, SAC, miniSEED, or text")
     else:
-        text = data.decode("utf-8-sig", errors="replace")
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError:
+            text = data.decode("latin-1")  # the micro sign of Windows
         found = _own(path) if re.search(r"^# units:", text, re.M) else _text(path, text, form)
     return [_check(trace) for trace in found]
 
@@ -220,9 +223,7 @@ def _header(head: Sequence[Sequence[str]], start: int) -> dict[str, str]:
 
 
 def _text(path: str, text: str, form: Form) -> list[Trace]:
-    lines = text.splitlines()
-    while lines and not lines[-1].strip():
-        lines.pop()
+    lines = text.rstrip().splitlines()
     if len(lines) < LEAST:
         raise Failed(f"{path}: {len(lines)} lines, must be {LEAST} or more")
     layout = _layout(path, lines)
@@ -246,6 +247,8 @@ def _columns(path: str, titles: list[tuple[str, str]], values: Floats, said: dic
     at = _time_column(path, names, values, said, form)
     units = ([titles[at][1]] if at is not None and "increment" not in said else []) + [said.get("horizontal units", "").lower()]
     unit = form.time_unit or next((_UNITS[unit] for unit in units if _UNITS.get(unit) in MICROSECONDS), "")
+    if not unit and any(units):
+        raise Failed(f"{path}: the unit of time is {next(filter(None, units)):.40}: choose by --time-unit {', '.join(MICROSECONDS)} or own")
     notes = [] if unit or form.step or "increment" in said else ["the file names no unit of time: seconds are assumed; "
                                                                   "--time-unit says another"]
     scale = MICROSECONDS.get(unit or "s", 1.0)  # the unit "own" is kept
