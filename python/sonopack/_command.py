@@ -1,6 +1,6 @@
 """What the commands in Python share: options, scenes, units, messages, files that appear whole, exit statuses.
 
-`sonopack plot`, `view`, `convert`, `reproduce` and `bench` execute `sonopack-NAME`, which calls start(NAME). Each has a module
+`sonopack plot`, `view`, `convert`, `reproduce`, `trace` and `bench` execute `sonopack-NAME`, which calls start(NAME). Each has a module
 with parser(), which returns a Parser, and run(arguments), which does the work.
 """
 from __future__ import annotations
@@ -29,7 +29,7 @@ DONE, FAILED, USAGE = 0, 1, 2
 STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # signals that end a command, after which no draft is left
 
 #: the module of each command
-MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command",
+MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command", "trace": "traces.command",
            "pack-lammps": "formats.engine", "modes-slepc": "engines.modes", "moduli-petsc": "engines.moduli",
            "signal-petsc": "engines.signals", "bench": "bench", "save-table": "formats.tables"}
 

@@ -44,6 +44,7 @@ static const cli_command_row commands[] = {
     {"table", cmd_table, &cmd_table_syntax, "tables of a finished or running study"},
     {"reproduce", cmd_dispatch, NULL, "compare the results of a paper with our own"},
     {"column", cmd_column, &cmd_column_syntax, "tapped column of particles, discrete and as a continuum"},
+    {"trace", cmd_dispatch, NULL, "arrivals, speeds and spectra of measured traces, with errors from their noise"},
     {"plot", cmd_dispatch, NULL, "draw figures"},
     {"view", cmd_dispatch, NULL, "write a page that shows packings, modes and waves in a browser"},
     {"convert", cmd_dispatch, NULL, "import and export packings"},

@@ -4,4 +4,4 @@ usage: test_pages.py COMMAND SOURCE_DIR
 """
 from test_readme import run_pages
 
-run_pages([f"docs/{page}.md" for page in ("view", "figures", "formats", "sensitivity", "uncertainty", "design-waves", "coda")])
+run_pages([f"docs/{page}.md" for page in ("view", "figures", "formats", "sensitivity", "uncertainty", "design-waves", "coda", "traces")])
