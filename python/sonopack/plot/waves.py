@@ -118,7 +118,7 @@ def path(given: Sequence[Input], *, ax: Any = None) -> Any:
     """Stresses, and the change of the volume, along paths of strain, from tables of `sonopack pack`: two Axes. The strain is
     the largest component of the path's, compression positive."""
     axes = column_of_panels(2, ax, 0.62)
-    unit, shown = common_unit(given, "s_xx"), STRESSES[:1]
+    unit, shown = common_unit(given, "s_xx"), ["s_xx"]
     for j, (one, name) in enumerate(zip(given, names(given))):
         if "path_strain" not in one.table.metadata:
             raise refuse(one.name, "not of a path of strain: `sonopack pack' with packing.path.strain prints one")
