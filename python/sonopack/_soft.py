@@ -47,10 +47,12 @@ def power_law(omega: npt.ArrayLike, low: float = 0.0, high: float | None = None,
     """The power law of frequencies between low and high (by default the highest). packing: to which packing each belongs;
     modes of one are not independent."""
     x = np.asarray(omega, float).ravel()
+    if not (len(x) and np.isfinite(x).all()):
+        raise _core.invalid("omega", f"{len(x)} frequencies: must be some, all finite")
     high = float(x.max()) if high is None else high
     inside = (x > low) & (x <= high)
-    if inside.sum() < 3 or not high > low >= 0:
-        raise _core.invalid("high", f"{inside.sum()} modes between {low:g} and {high:g}: must be 3 or more")
+    if inside.sum() < 3 or not high > low >= 0 or x[inside].min() == high:
+        raise _core.invalid("high", f"{inside.sum()} modes between {low:g} and {high:g}: must be 3 or more, not all equal to it")
     y = np.log(high / x[inside])  # with the density s e^(-s y) in 0 .. span, s = exponent + 1
     span = min(np.log(high / low), FAR) if low > 0 else FAR
     s = float(_rate(np.atleast_1d(y.mean()), span)[0])

@@ -256,13 +256,9 @@ static sp_status stage_path(const char *path, int32_t index, char out[SP_PATH_MA
                          SP_PATH_MAX);
 }
 
-/* The scene that is saved with a stage has a history, or a path, that ends there. */
-static sp_status save_stage(const sp_packing *stage, int32_t index, void *user, sp_error *err) {
-    compression *c = user;
-    char path[SP_PATH_MAX];
-    sp_scene scene = *c->scene;
-    sp_packing p = *stage;
-    p.material = scene.material;
+/* The scene that is saved with a stage has a history, or a path, that ends there. NULL without memory. */
+static char *stage_scene(const sp_scene *whole, const sp_packing *stage, int32_t index) {
+    sp_scene scene = *whole;
     if (index < scene.pack.history_count) {
         scene.pack.pressure = stage->pressure;
         scene.pack.history_count = index;
@@ -270,25 +266,51 @@ static sp_status save_stage(const sp_packing *stage, int32_t index, void *user, 
     } else {
         scene.pack.stages = index + 1;
     }
-    p.scene = sp_scene_text(&scene, "packing");
+    return sp_scene_text(&scene, "packing");
+}
+
+static sp_status save_stage(const sp_packing *stage, int32_t index, void *user, sp_error *err) {
+    compression *c = user;
+    char path[SP_PATH_MAX];
+    sp_packing p = *stage;
+    p.material = c->scene->material;
+    p.scene = stage_scene(c->scene, stage, index);
     if (!p.scene)
         return sp_fail_memory(err, 1024);
     sp_status status = stage_path(c->arguments->common.output, index, path, err);
     CLI_THEN(status, cli_save_packing(&p, path, err));
     sp_free(p.scene);
     c->made = index + 1;
-    c->state.due = true; /* else the same command would find this file in its way */
+    c->state.due = true; /* a run that is stopped soon goes on from here */
     return status;
 }
 
+/* Reads a stage. SP_EFAILED if it is that of another scene; text files have none. */
+static sp_status read_stage(const sp_scene *scene, const char *output, int32_t index, sp_packing *p, sp_error *err) {
+    char path[SP_PATH_MAX], *text = NULL;
+    sp_status status = stage_path(output, index, path, err);
+    CLI_THEN(status, sp_packing_read(path, p, err));
+    if (status == SP_OK && !(text = stage_scene(scene, p, index)))
+        status = sp_fail_memory(err, 1024);
+    if (status == SP_OK && p->scene && strcmp(p->scene, text) != 0)
+        status = sp_fail(err, SP_EFAILED, "%s: is of another scene: must be stage %d of this one", path, index + 1);
+    sp_free(text);
+    return status;
+}
+
+/* A stage of the same scene may be written again: it is of a run that was interrupted. */
 static sp_status may_write_stages(const compression *c, sp_error *err) {
-    cli_common common = c->arguments->common;
-    common.force = common.force || c->state.found;
+    const cli_common *common = &c->arguments->common;
     sp_status status = SP_OK;
     for (int32_t k = 0; k < sp_pack_stages(&c->scene->pack) - 1 && status == SP_OK; k++) {
         char path[SP_PATH_MAX];
-        status = stage_path(common.output, k, path, err);
-        CLI_THEN(status, cli_may_write(&common, path, err));
+        sp_packing p = sp_packing_none();
+        sp_error other = {0};
+        status = stage_path(common->output, k, path, err);
+        if (status == SP_OK && !common->force && !c->state.found && access(path, F_OK) == 0 &&
+            (read_stage(c->scene, common->output, k, &p, &other) != SP_OK || !p.scene))
+            status = cli_may_write(common, path, err);
+        sp_packing_free(&p);
     }
     return status;
 }
@@ -359,10 +381,8 @@ static sp_status summarise(const arguments *a, const sp_scene *scene, const sp_p
         cli_comment(&w, "path_strain = %s", strain);
     summary_columns(scene, &w);
     for (int32_t k = 0; k < before && spec->strain_count > 0 && w.status == SP_OK; k++) {
-        char path[SP_PATH_MAX];
         sp_packing stage = sp_packing_none();
-        w.status = stage_path(a->common.output, k, path, err);
-        CLI_THEN(w.status, sp_packing_read(path, &stage, err));
+        w.status = read_stage(scene, a->common.output, k, &stage, err);
         CLI_THEN(w.status, (add_summary(scene, &stage, k, &w), w.status));
         sp_packing_free(&stage);
     }
@@ -455,8 +475,6 @@ static sp_status make_and_save(const arguments *a, sp_scene *scene, const sp_pac
     CLI_THEN(status, may_write_stages(&c, err));
     CLI_THEN(status, compress(&c, from, p, err));
     CLI_THEN(status, cli_save_packing(p, a->common.output, err));
-    if (status == SP_OK && c.state.path[0])
-        unlink(c.state.path);
     sp_free(c.state.found);
     sp_free(c.state.last);
     if (status == SP_EFAILED && c.made > 0 && scene->pack.strain_count > 0) {
@@ -464,6 +482,8 @@ static sp_status make_and_save(const arguments *a, sp_scene *scene, const sp_pac
         summarise(a, scene, NULL, c.made, &none); /* the path ended early: what there is of it */
     }
     CLI_THEN(status, summarise(a, scene, p, sp_pack_stages(&scene->pack) - 1, err));
+    if (status == SP_OK && c.state.path[0])
+        unlink(c.state.path);
     return status;
 }
 

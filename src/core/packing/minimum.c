@@ -22,8 +22,9 @@ static const double GROW = 1.1, SHRINK = 0.5, TURN = 0.25, TURN_LESS = 0.99;
 /* Fraction of a first, rough minimum where the pressure is given, by dimension. */
 static const double DENSE[] = {0, 1, 0.9, 0.7};
 static const int64_t STEPS_MOST = 20000000;
-static const double ROUGH = 1e-2; /* acceleration over the pressure in the first minimum */
-static const double BARE = 1e-10; /* the pressure where no grains touch */
+static const double ROUGH = 1e-2;    /* acceleration over the pressure in the first minimum */
+static const double MOST_FLOW = 0.5; /* shear strain after which a stress counts as one that the grains do not carry */
+static const double BARE = 1e-10;    /* the pressure where no grains touch */
 
 /* Of two vectors of the grains and of the cell. */
 static double dot(const minimum *m, const double *a, const double *b, const double *a_cell, const double *b_cell) {
@@ -71,6 +72,21 @@ static sp_status come_apart(const minimum *m, sp_error *err) {
                        BARE);
 }
 
+/* Smooth grains carry little shear: a cell that gives way without end is none. */
+static sp_status check_flow(const minimum *m, sp_error *err) {
+    double mean = 0, worst = 0;
+    for (int a = 0; a < m->p.dim; a++)
+        mean += m->flow[a] / m->p.dim;
+    for (int c = 0; c < TENSOR && m->cell == CELL_YIELDS; c++)
+        worst = fmax(worst, fabs(m->flow[c] - (c < m->p.dim ? mean : 0)));
+    if (worst < MOST_FLOW)
+        return SP_OK;
+    return sp_fail_key(err, SP_EFAILED, "packing.stress",
+                       ": the grains do not carry it: they have flowed by a shear strain of %.2g, and hold xx = %.4g, "
+                       "yy = %.4g, zz = %.4g, yz = %.4g, xz = %.4g, xy = %.4g: must be nearer to isotropic",
+                       worst, m->stress[0], m->stress[1], m->stress[2], m->stress[3], m->stress[4], m->stress[5]);
+}
+
 static sp_status descend(minimum *m, sp_error *err) {
     const int64_t most = m->spec->max_steps > 0 ? m->spec->max_steps : STEPS_MOST;
     const int64_t begin = m->steps;
@@ -79,6 +95,8 @@ static sp_status descend(minimum *m, sp_error *err) {
     for (; m->steps < begin + most; m->steps++) {
         const bool first = m->steps == begin;
         sp_status status = first ? sp_minimum_list(m, err) : sp_minimum_refresh(m, err);
+        if (status == SP_OK)
+            status = check_flow(m, err);
         if (status == SP_OK && m->steps % REPORT == 0)
             status = report(m, err);
         if (status != SP_OK)
@@ -214,6 +232,7 @@ static void begin_stage(minimum *m, int32_t k) {
     double e[TENSOR];
     cell_strain by = {.grow = {1, 1, 1}};
     m->aim = sp_pack_stage_pressure(s, k);
+    memset(m->flow, 0, sizeof m->flow);
     sp_stress_target(s, m->aims);
     sp_path_strain(s, e);
     bool some = false;

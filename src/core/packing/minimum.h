@@ -37,7 +37,8 @@ typedef struct minimum {
     double stress[MINIMUM_TENSOR],
         aims[MINIMUM_TENSOR]; /* YIELDS: of the grains, and of this stage; compression positive */
     bool free[MINIMUM_TENSOR];
-    double aim, strained; /* pressure of this stage; where it is on the path of strain */
+    double flow[MINIMUM_TENSOR]; /* how much the cell has given way in this stage */
+    double aim, strained;        /* pressure of this stage; where it is on the path of strain */
     double pressure, residual, stiffest;
 } minimum;
 

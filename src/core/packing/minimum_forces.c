@@ -41,6 +41,12 @@ static sp_status add_pair(int32_t i, int32_t j, void *user, sp_error *err) {
 
 sp_status sp_minimum_list(minimum *m, sp_error *err) {
     sp_packing_untilt(m->p.dim, m->p.box, m->p.tilt);
+    const double narrowest = 2 * (m->spec->diameter_max + m->skin); /* else a pair has two images */
+    for (int a = 0; a < m->p.dim; a++)
+        if (!(m->p.box[a] > narrowest))
+            return sp_fail_key(err, SP_EFAILED, "packing.grains",
+                               " = %d: too few for this cell: an edge has become %.3g, must stay above %.3g", m->p.n,
+                               m->p.box[a], narrowest);
     for (int32_t i = 0; i < m->p.n; i++)
         sp_packing_wrap(&m->p, m->p.x + 3 * (size_t)i);
     memcpy(m->old, m->p.x, 3 * (size_t)m->p.n * sizeof *m->old);
@@ -173,6 +179,8 @@ void sp_minimum_move(minimum *m, double t) {
         s.grow[a] = exp(t * m->v_cell[m->cell == CELL_GROWS ? 0 : a] / m->unit);
     for (int k = 0; k < 3; k++)
         s.shear[k] = t * m->v_cell[5 - k] / m->unit;
+    for (int c = 0; c < TENSOR; c++)
+        m->flow[c] += t * m->v_cell[c] / m->unit;
     for (size_t k = 0; k < 3 * (size_t)m->p.n; k++)
         m->p.x[k] += t * m->v[k];
     sp_minimum_deform(m, &s);
@@ -183,7 +191,7 @@ bool sp_minimum_at_rest(const minimum *m) {
     double off = m->cell == CELL_GROWS ? fabs(m->pressure - p) : 0;
     for (int c = 0; c < TENSOR && m->cell == CELL_YIELDS; c++)
         off = fmax(off, m->free[c] ? fabs(m->stress[c] - m->aims[c]) : 0);
-    if (m->residual > m->spec->tolerance || off >= PRESSURE_OFF * p || m->cell != m->wanted)
+    if (!(m->residual <= m->spec->tolerance && off < PRESSURE_OFF * p && m->cell == m->wanted))
         return false;
     return m->residual <= fmax(1e-6 * p, sp_rounding_acceleration(p, m->spec->law_exponent));
 }

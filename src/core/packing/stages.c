@@ -24,7 +24,8 @@ static double unit_steps(const sp_pack_spec *s) {
 /* Steps of one leg of the path, from one turn to the next; the last may be a shorter one. */
 static double leg_steps(const sp_pack_spec *s, int32_t leg) {
     const double from = leg > 0 ? turn_of(s, leg - 1) : 0;
-    return ceil(fabs(turn_of(s, leg) - from) * unit_steps(s) - 1e-6);
+    const double length = fabs(turn_of(s, leg) - from);
+    return length > 0 ? fmax(1, ceil(length * unit_steps(s) - 1e-6)) : 0;
 }
 
 static int32_t legs_of(const sp_pack_spec *s) {

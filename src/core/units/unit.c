@@ -217,7 +217,8 @@ static const char *const si_units[] = {"mm",          "us",
                                        "mm sqrt(mg)", "N/(m sqrt(mg))",
                                        "N s/m",       "m^2/s",
                                        "mm/N",        "1/N",
-                                       "N mm"};
+                                       "N mm",        "mm^3",
+                                       "mm^2"};
 
 static const char *si_of(const powers *u) {
     powers si;

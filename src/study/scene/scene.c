@@ -72,6 +72,10 @@ sp_status sp_scene_resolve(sp_scene *s, sp_error *err) {
     sp_status status = s->height > 0 ? sp_pack_spec_fill(&s->pack, s->height, &s->pack.grains, err) : SP_OK;
     if (status == SP_OK)
         s->height = 0;
+    sp_pack_spec all = s->pack; /* so that the end of a path has one name */
+    all.stages = 0;
+    if (s->pack.stages > 0 && s->pack.stages == sp_pack_stages(&all))
+        s->pack.stages = 0;
     return status;
 }
 
