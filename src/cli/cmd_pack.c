@@ -315,17 +315,18 @@ static sp_status may_write_stages(const compression *c, sp_error *err) {
     return status;
 }
 
+/* What the rows of a path have of the statics. */
+static const char *stresses(int dim) {
+    return dim == 3 ? "s_xx s_yy s_zz s_yz s_xz s_xy mobilised" : "s_xx s_yy s_xy mobilised";
+}
+
 /* Where a packing is on the path of strain, and its stress. */
 static void add_path(const sp_pack_spec *spec, const sp_packing *p, const sp_statics *statics, int32_t stage,
                      cli_writer *w) {
-    const double stress[6] = {statics->s_xx, statics->s_yy, statics->s_zz, statics->s_yz, statics->s_xz, statics->s_xy};
     cli_put(w, stage + 1);
     cli_put(w, sp_pack_stage_strain(spec, stage));
     cli_put(w, sp_packing_volume(p));
-    for (int c = 0; c < 6; c++)
-        if (p->dim == 3 || c < 2 || c == 5)
-            cli_put(w, stress[c]);
-    cli_put(w, statics->mobilised);
+    cli_put_quantities(w, sp_statics_quantities, stresses(p->dim), statics);
 }
 
 static void add_summary(const sp_scene *scene, const sp_packing *p, int32_t stage, cli_writer *w) {
@@ -350,7 +351,6 @@ static void add_summary(const sp_scene *scene, const sp_packing *p, int32_t stag
 }
 
 static void summary_columns(const sp_scene *scene, cli_writer *w) {
-    static const char *const names[] = {"s_xx", "s_yy", "s_zz", "s_yz", "s_xz", "s_xy"};
     cli_columns(w, SP_COLUMN_INTEGER, "grains", "", NULL);
     cli_columns(w, SP_COLUMN_NUMBER, "height", "d", "p", "E*", "z_star", "", NULL);
     cli_columns(w, SP_COLUMN_INTEGER, "rattlers", "", NULL);
@@ -361,10 +361,7 @@ static void summary_columns(const sp_scene *scene, cli_writer *w) {
         return;
     cli_columns(w, SP_COLUMN_INTEGER, "stage", "", NULL);
     cli_columns(w, SP_COLUMN_NUMBER, "strain", "", "volume", "d^3", NULL);
-    for (int c = 0; c < 6; c++)
-        if (scene->pack.dim == 3 || c < 2 || c == 5)
-            cli_columns(w, SP_COLUMN_NUMBER, names[c], "E*", NULL);
-    cli_columns(w, SP_COLUMN_NUMBER, "mobilised", "", NULL);
+    cli_quantity_columns(w, sp_statics_quantities, stresses(scene->pack.dim));
 }
 
 /* Rows of the stages of a path before this one, which may be of an earlier run, and of the packing; NULL: there is

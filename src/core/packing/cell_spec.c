@@ -23,6 +23,15 @@ static double solid_volume(const sp_pack_spec *s) {
 /* Of packing.stress. */
 static int components_of(int dim) { return dim == 2 ? 3 : 6; }
 
+sp_status sp_tensor_check(const char *key, int dim, int32_t count, const double *list, sp_error *err) {
+    if (count == components_of(dim) && list)
+        return SP_OK;
+    return sp_fail_key(err, SP_EINVAL, key, " = (%d numbers): must be %s in packing.dimension = %d, or no numbers",
+                       count, dim == 2 ? "xx, yy, xy" : "xx, yy, zz, yz, xz, xy", dim);
+}
+
+bool sp_tensor_has(int dim, int component) { return component < 3 ? component < dim : dim == 3 || component == 5; }
+
 void sp_tensor_fill(int dim, int32_t count, const double *list, double tensor[6]) {
     static const int plane[3] = {0, 1, 5}; /* xx, yy, xy */
     for (int c = 0; c < count; c++)
@@ -75,12 +84,10 @@ static bool positive(const double t[6]) {
 }
 
 static sp_status check_stress(const sp_pack_spec *given, sp_error *err) {
-    const int count = components_of(given->dim);
+    const sp_status listed = sp_tensor_check("packing.stress", given->dim, given->stress_count, given->stress, err);
     double t[6];
-    if (given->stress_count != count || !given->stress)
-        return sp_fail_key(err, SP_EINVAL, "packing.stress",
-                           " = (%d numbers): must be %s in packing.dimension = %d, or no numbers", given->stress_count,
-                           count == 3 ? "xx, yy, xy" : "xx, yy, zz, yz, xz, xy", given->dim);
+    if (listed != SP_OK)
+        return listed;
     const double mean = mean_stress(given), p = given->pressure;
     sp_stress_target(given, t);
     if (given->dim == 2)

@@ -37,9 +37,10 @@ typedef struct compression {
     double ramp_time;       /* time in which the pressure changes by a factor e between stages */
     double past;            /* length of the last step */
     int64_t steps, max_steps;
-    int32_t stage;   /* current stage, 0 .. sp_pack_stages - 1 */
-    double strained; /* where the cell is on the path of strain, in multiples of packing.path.strain */
-    int rest_checks; /* consecutive checks that found equilibrium */
+    int32_t stage;         /* current stage, 0 .. sp_pack_stages - 1 */
+    double strained, goal; /* where the cell is on the path of strain, in multiples of packing.path.strain; and at the
+                              end of the stage */
+    int rest_checks;       /* consecutive checks that found equilibrium */
     compression_phase phase;
     double residual, wall_imbalance, lateral_imbalance;
     /* during equilibration: full drag, its current reduction, and the residual at stall_step */

@@ -33,14 +33,12 @@ static double mean(const dynamics *d, const double stress[6]) { return (stress[0
 /* Whether the stage belongs to the path of strain. */
 static bool on_path(const compression *run) { return run->stage > run->whole->history_count; }
 
-bool sp_squeeze_strained(const compression *run) {
-    return !on_path(run) || run->strained == sp_path_place(run->whole, run->stage);
-}
+bool sp_squeeze_strained(const compression *run) { return !on_path(run) || run->strained == run->goal; }
 
 /* Whether a component of the cell gives way to its stress. */
 static bool is_free(const compression *run, int c) {
-    const bool exists = c < 3 ? c < run->d.dim : run->d.cell == SP_CELL_PERIODIC && (run->d.dim == 3 || c == 5);
-    return exists && (!on_path(run) || sp_path_frees(run->whole, c));
+    const bool moves = sp_tensor_has(run->d.dim, c) && (c < 3 || run->d.cell == SP_CELL_PERIODIC);
+    return moves && (!on_path(run) || sp_path_frees(run->whole, c));
 }
 
 double sp_squeeze_imbalance(const compression *run) {
@@ -91,14 +89,14 @@ sp_status sp_squeeze_check(const compression *run, sp_error *err) {
 /* Strain rates along the path, and 0 from its end on. The last step is as short as it takes. */
 static void follow_path(compression *run, double dt) {
     dynamics *d = &run->d;
-    const double to = sp_path_place(run->whole, run->stage), left = to - run->strained;
+    const double left = run->goal - run->strained;
     double strain[6], largest = 0;
     sp_path_strain(run->whole, strain);
     for (int c = 0; c < 6; c++)
         largest = fmax(largest, fabs(strain[c]));
     const double most = dt * QUASISTATIC * sqrt(run->spec->pressure) / largest;
     const double step = fabs(left) <= most ? left : copysign(most, left);
-    run->strained = step == left ? to : run->strained + step;
+    run->strained = step == left ? run->goal : run->strained + step;
     for (int a = 0; a < d->dim; a++)
         if (strain[a] != 0)
             d->strain_rate[a] = -step / dt * strain[a];
@@ -149,6 +147,7 @@ void sp_compression_set_stage(compression *run) {
     const sp_pack_spec *whole = run->whole;
     run->now = *whole;
     run->now.pressure = sp_pack_stage_pressure(whole, run->stage);
+    run->goal = sp_path_place(whole, run->stage);
     run->now.tolerance = fmin(whole->tolerance * run->now.pressure / whole->pressure, fmax(1e-10, whole->tolerance));
     run->spec = &run->now;
 }

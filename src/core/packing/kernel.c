@@ -58,6 +58,15 @@ static void power_law(int32_t count, double exponent, const double *gap, const d
     }
 }
 
+static ALWAYS_INLINE void normal_forces(const dynamics *d, int32_t first, int32_t count, const double *gap, double *kn,
+                                        double *s, double *elastic) {
+    const double *e2 = d->inner.e2 + first, *sm = d->inner.sm + first;
+    if (d->law.exponent == 1.5)
+        hertz(count, gap, e2, sm, kn, s, elastic);
+    else
+        power_law(count, d->law.exponent, gap, e2, sm, kn, s, elastic);
+}
+
 /* ---- 2D ------------------------------------------------------------------------------------------------------ */
 
 typedef struct block2 {
@@ -199,10 +208,7 @@ CLONES double sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t firs
         distances2(d, first, count, &b, true);
     else
         distances2(d, first, count, &b, false);
-    if (d->law.exponent == 1.5)
-        hertz(count, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
-    else
-        power_law(count, d->law.exponent, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
+    normal_forces(d, first, count, b.gap, b.kn, b.s, b.elastic);
     if (d->law.friction > 0)
         d->lag > 0 ? law2(d, dt_past, first, count, &b, true, true) : law2(d, dt_past, first, count, &b, true, false);
     else
@@ -496,10 +502,7 @@ static ALWAYS_INLINE double pairs3(const dynamics *d, double dt, int32_t start, 
         const int32_t left = start + all - first, count = left < PIECE ? left : PIECE;
         gather3(d, first, count, &b, rough);
         distances3(d, first, count, &b, affine);
-        if (d->law.exponent == 1.5)
-            hertz(count, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
-        else
-            power_law(count, d->law.exponent, b.gap, d->inner.e2 + first, d->inner.sm + first, b.kn, b.s, b.elastic);
+        normal_forces(d, first, count, b.gap, b.kn, b.s, b.elastic);
         normals3(d, first, count, &b, rough, lagging);
         if (rough) {
             springs3(d, dt, first, count, &b);

@@ -237,9 +237,8 @@ static void begin_stage(minimum *m, int32_t k) {
     sp_path_strain(s, e);
     bool some = false;
     for (int c = 0; c < TENSOR; c++) {
-        const bool exists = c < 3 ? c < s->dim : s->dim == 3 || c == 5;
         m->aims[c] *= m->aim / s->pressure;
-        m->free[c] = exists && (path ? sp_path_frees(s, c) : s->stress_count > 0);
+        m->free[c] = sp_tensor_has(s->dim, c) && (path ? sp_path_frees(s, c) : s->stress_count > 0);
         some = some || m->free[c];
     }
     m->wanted = some ? CELL_YIELDS : path || s->fraction > 0 ? CELL_FIXED : CELL_GROWS;

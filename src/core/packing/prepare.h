@@ -12,7 +12,10 @@ SP_SHARED extern const sp_key sp_pack_keys[];
 /* Cells without a piston (cell_spec.c). The target stress, xx yy zz yz xz xy, which is p along the diagonal without
  * packing.stress; the rows of the resolve and the check; and the spec of the gas, with longer edges. */
 void sp_stress_target(const sp_pack_spec *s, double target[6]);
-/* Writes a list of xx, yy, xy, or of six, into xx yy zz yz xz xy. */
+/* Tensors as lists: SP_EINVAL unless a list has all components of the dimension; whether this one of xx yy zz yz xz xy
+ * is among them; and the list written into these six. */
+sp_status sp_tensor_check(const char *key, int dim, int32_t count, const double *list, sp_error *err);
+bool sp_tensor_has(int dim, int component);
 void sp_tensor_fill(int dim, int32_t count, const double *list, double tensor[6]);
 void sp_cell_spec_resolve(sp_pack_spec *s);
 /* s is `given`, resolved. For all cells: SP_EINVAL names what does not go with the cell. */

@@ -77,13 +77,11 @@ void sp_path_strain(const sp_pack_spec *s, double strain[6]) {
 }
 
 static sp_status check_strain(const sp_pack_spec *s, sp_error *err) {
-    const int count = s->dim == 2 ? 3 : 6;
     const double largest = fabs(largest_strain(s));
-    if (s->strain_count != count || !s->strain)
-        return sp_fail_key(err, SP_EINVAL, "packing.path.strain",
-                           " = (%d numbers): must be %s in packing.dimension = %d, or no numbers", s->strain_count,
-                           count == 3 ? "xx, yy, xy" : "xx, yy, zz, yz, xz, xy", s->dim);
-    for (int c = 0; c < count; c++)
+    const sp_status status = sp_tensor_check("packing.path.strain", s->dim, s->strain_count, s->strain, err);
+    if (status != SP_OK)
+        return status;
+    for (int c = 0; c < s->strain_count; c++)
         if (s->cell == SP_CELL_BOX && c >= s->dim && s->strain[c] != 0)
             return sp_fail_key(err, SP_EINVAL, "packing.path.strain",
                                ": its shear must be 0 for packing.cell = \"box\", whose walls do not tilt");
