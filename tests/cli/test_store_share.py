@@ -126,7 +126,7 @@ def standing_still(folder, reference, name, *args):
 
 def stopped(folder, reference, resume):
     """The others make all the rest and wait for that one. When the process goes on it makes it; when it is killed they
-    do."""
+    do, and the next study removes the file that it was writing."""
     store, still, others, had = standing_still(folder, reference, f"stopped-{resume}-", "--jobs", 1)
     still.send_signal(signal.SIGCONT if resume else signal.SIGKILL)
     found = [end(process) for process in others]
@@ -136,6 +136,7 @@ def stopped(folder, reference, resume):
     else:
         still.communicate()
         assert sum(made_by(found)) == reference.count - had, (made_by(found), had)
+        assert end(start(reference, store, 1)) == (reference.stdout[1], 0)
     assert all(out == reference.stdout[1] for out, _ in found)
     reference.check_end(store, 1)
 
