@@ -74,7 +74,8 @@ def read(path: str, form: Form = Form()) -> list[Trace]:
     elif re.match(rb"\d{6}[DRQM][ \0]", data):
         found = _miniseed(path)
     elif b"\0" in data[:4096]:
-        raise Failed(f"{path}: is a binary file, must be WAV, SAC, miniSEED, or text")
+        raise Failed(f"{path}: is a binary file, must be WAV, SAC, miniSEED, or text" + (
+            ": `sonopack signal` computes the trace of a packing" if data.startswith(b"\x89HDF") else ""))
     else:
         try:
             text = data.decode("utf-8-sig")

@@ -243,7 +243,9 @@ sp_status sp_packing_save(const sp_packing *p, const char *path, sp_error *err) 
 
 sp_status sp_packing_get_format(sp_h5 *h, int64_t *format) {
     if (!sp_h5_has(h, "/sonopack"))
-        return sp_h5_fail(h, SP_EFORMAT, "no group /sonopack: not a packing of sonopack");
+        return sp_h5_fail(h, SP_EFORMAT, "no group /sonopack: %s",
+                          sp_h5_has(h, "/modes") ? "a file of modes, must be the packing that they are of"
+                                                 : "not a packing of sonopack");
     if (sp_h5_attribute_int(h, "/sonopack", "format", format) != SP_OK)
         return h->status;
     const bool newer = *format > SP_H5_FORMAT_CELL;

@@ -25,6 +25,37 @@ bool sp_packing_text_looks(const char *text) {
            isdigit((unsigned char)text[1 + strspn(text + 1, " \t")]);
 }
 
+/* Behind blanks, and comments of scenes. */
+static const char *skip_comments(const char *text) {
+    for (;;) {
+        text += strspn(text, " \t\r\n\xef\xbb\xbf");
+        const bool line = *text == '#' || strncmp(text, "//", 2) == 0;
+        const char *end = line ? strchr(text, '\n') : strncmp(text, "/*", 2) == 0 ? strstr(text + 2, "*/") : NULL;
+        if (!end)
+            return text;
+        text = end + (line ? 1 : 2);
+    }
+}
+
+const sp_packing_source *sp_packing_text_source(const char *text) {
+    static const char *const groups[] = {"packing", "material", "network", "signal", "study", "@include"};
+    static const sp_packing_source scene = {"a scene", "pack", "-o "};
+    static const struct {
+        const char *begins;
+        sp_packing_source source;
+    } others[] = {{"ITEM:", {"a dump of LAMMPS", "convert", ""}}, {"<", {"an XML file", "convert", ""}}};
+    text = skip_comments(text);
+    for (size_t k = 0; k < sizeof groups / sizeof *groups; k++) {
+        const size_t length = strlen(groups[k]);
+        if (strncmp(text, groups[k], length) == 0 && memchr("=:\"", text[length + strspn(text + length, " \t\r\n")], 3))
+            return &scene;
+    }
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        if (strncmp(text, others[k].begins, strlen(others[k].begins)) == 0)
+            return &others[k].source;
+    return NULL;
+}
+
 /* ---- the tangential force in 2D -------------------------------------------------------------------------------- */
 
 /* The rounded product. + 0.0 makes a negative zero positive. */
