@@ -17,7 +17,7 @@ from .._core import Floats
 from .._records import Material
 from .._table import Table, material_of
 from .arrivals import WAYS, arrivals, line
-from .read import MICROSECONDS, OWN_TIME, Form, Trace, read
+from .read import KINDS, MICROSECONDS, OWN_TIME, Form, Trace, read
 from .transfer import against, transfer
 
 _ABOUT = (
@@ -41,6 +41,7 @@ def parser() -> Parser:
     own._negative_number_matcher = re.compile(r"-[0-9.]")  # --window -5:20 has a value, not one more option
     own.add_argument("files", metavar="FILE", nargs="+", help="traces")
     form = own.add_argument_group("Reading")
+    form.add_argument("--from", dest="kind", choices=KINDS, default="", help="kind of the files (by their content)")
     form.add_argument("--columns", metavar="t=NAME,F=NAME,...", default="",
                       help="columns of text files, by name or number; F=-NAME turns the sign (all columns)")
     form.add_argument("--time-unit", choices=(*MICROSECONDS, "own"), default="", help="unit of times in text files")
@@ -100,7 +101,7 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _form(arguments: argparse.Namespace) -> Form:
-    form, values = Form(arguments.time_unit, arguments.step), []
+    form, values = Form(arguments.time_unit, arguments.step, kind=arguments.kind), []
     for pair in arguments.columns.split(",") if arguments.columns else ():
         key, _, name = str(pair).partition("=")
         if key not in ("t", "F") or not name:
