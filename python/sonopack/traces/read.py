@@ -252,7 +252,7 @@ def _header(head: Sequence[Sequence[str]], start: int) -> dict[str, str]:
 def _vertical_units(head: Sequence[Sequence[str]]) -> list[str]:
     """Of each channel, where a header has them in a row."""
     cells = next((row[1:] for row in head if row[0].strip(":# ").lower() in ("vertical units", "yunits")), [])
-    return [_UNITS.get(cell) or _UNITS.get(cell.split(":")[-1].lower(), "") for cell in cells]
+    return [_UNITS.get(cell, "") or _UNITS.get(cell.split(":")[-1].lower(), "") for cell in cells]
 
 
 def _text(path: str, text: str, form: Form) -> list[Trace]:

@@ -90,9 +90,23 @@ static double wrapped(const sp_network *net, int32_t grain) {
     return sp_network_periodic(net, 0) ? x - period * floor(x / period) : x;
 }
 
+bool sp_place_in_disc(const sp_network *net, const sp_place *at, const double x[3]) {
+    const double centre[2] = {at->x, at->y};
+    double square = 0;
+    for (int a = 0; a < 2; a++) {
+        double off = x[a] - centre[a];
+        if (sp_network_periodic(net, a))
+            off -= net->box[a] * round(off / net->box[a]);
+        square += off * off;
+    }
+    return square <= 0.25 * at->diameter * at->diameter;
+}
+
 static bool belongs(const sp_network *net, const sp_place *at, const sp_spring *s) {
     if (at->kind == SP_PLACE_GRAIN)
         return net->grain[s->i] == at->grain;
+    if (at->kind == SP_PLACE_DISC)
+        return sp_place_in_disc(net, at, net->x + 3 * (int64_t)s->i);
     if (at->kind != SP_PLACE_PART)
         return true;
     const double x = wrapped(net, s->i);
@@ -132,6 +146,21 @@ static sp_status check_plane(const sp_network *net, const sp_place *at, sp_error
                    around ? "at or above" : "above", height);
 }
 
+static bool is_inside(double x, double length) { return x >= 0 && x <= length; }
+
+static sp_status check_disc(const sp_network *net, const sp_place *at, sp_error *err) {
+    const double most = fmin(net->box[0], net->box[1]);
+    if (net->dim == 3 && is_inside(at->x, net->box[0]) && is_inside(at->y, net->box[1]) && at->diameter > 0 &&
+        at->diameter <= most)
+        return sp_network_need_level_walls(net, "a disc on a wall", err);
+    if (net->dim < 3)
+        return sp_fail(err, SP_EINVAL, "a disc on a wall of a packing in %d dimensions: must be a part, part:X0:X1",
+                       net->dim);
+    return sp_fail(err, SP_EINVAL,
+                   "disc at %g, %g of diameter %g: must be within 0 .. %.6g and 0 .. %.6g, and no wider than %.6g",
+                   at->x, at->y, at->diameter, net->box[0], net->box[1], most);
+}
+
 static sp_status check_walls(const sp_network *net, const sp_place *at, bool source, sp_error *err) {
     if (net->cell != SP_CELL_PERIODIC || at->kind == SP_PLACE_PLANE || at->kind == SP_PLACE_GRAIN)
         return SP_OK;
@@ -157,6 +186,8 @@ static sp_status begin(const sp_network *net, const sp_place *at, bool source, d
     *row = -1;
     if (at->kind == SP_PLACE_GRAIN)
         status = find_grain(net, at, row, err);
+    if (at->kind == SP_PLACE_DISC)
+        status = check_disc(net, at, err);
     if (status == SP_OK && at->kind == SP_PLACE_PLANE)
         status = sp_network_need_level_walls(net, "a plane", err);
     if (status == SP_OK && at->kind == SP_PLACE_PART)
@@ -170,7 +201,11 @@ static sp_status begin(const sp_network *net, const sp_place *at, bool source, d
 
 static sp_status nothing_there(const sp_place *at, const char *wall, const char *what, sp_error *err) {
     return sp_fail(err, SP_EREFUSED, "no carrying contact%s at the %s wall%s: nothing can be %s",
-                   at->shear ? " with friction" : "", wall, at->kind == SP_PLACE_PART ? " in this part" : "", what);
+                   at->shear ? " with friction" : "", wall,
+                   at->kind == SP_PLACE_PART   ? " in this part"
+                   : at->kind == SP_PLACE_DISC ? " in this disc"
+                                               : "",
+                   what);
 }
 
 /* Half the thickness of the layer of grains that a plane moves: half a mean diameter. */
@@ -363,11 +398,11 @@ sp_status sp_network_detector(const sp_network *net, double *out, sp_error *err)
 static const char *wall_of(bool source) { return source ? "bottom" : "top"; }
 
 static sp_status wrong(const char *text, bool source, sp_error *err) {
-    return sp_fail(
-        err, SP_EINVAL,
-        "%.60s: must be %s, part:X0:X1 with X0 below X1, plane:Y or grain:I, optionally followed by :normal or "
-        ":shear",
-        text, wall_of(source));
+    return sp_fail(err, SP_EINVAL,
+                   "%.60s: must be %s, part:X0:X1 with X0 below X1, disc:X:Y:DIAMETER, plane:Y or grain:I, optionally "
+                   "followed by :normal or "
+                   ":shear",
+                   text, wall_of(source));
 }
 
 /* A length on the command line. */
@@ -388,19 +423,24 @@ static bool read_words(int count, char *const *word, bool source, sp_place *at) 
         at->kind = SP_PLACE_PLANE;
         return read_length(word[1], &at->height);
     }
+    if (count == 4 && strcmp(word[0], "disc") == 0) {
+        at->kind = SP_PLACE_DISC;
+        return read_length(word[1], &at->x) && read_length(word[2], &at->y) && read_length(word[3], &at->diameter) &&
+               at->diameter > 0;
+    }
     at->kind = SP_PLACE_PART;
     return count == 3 && strcmp(word[0], "part") == 0 && read_length(word[1], &at->from) &&
            read_length(word[2], &at->to) && at->from < at->to;
 }
 
 sp_status sp_place_read(const char *text, bool source, sp_place *out, bool *component, sp_error *err) {
-    char copy[200], *word[4] = {NULL}, *rest = copy;
+    char copy[200], *word[5] = {NULL}, *rest = copy;
     sp_place at = sp_place_wall();
     int count = 0;
     if (strlen(text) >= sizeof copy)
         return wrong(text, source, err);
     strcpy(copy, text);
-    while (rest && count < 4)
+    while (rest && count < 5)
         word[count++] = strsep(&rest, ":");
     at.shear = strcmp(word[count - 1], "shear") == 0;
     const bool given = at.shear || strcmp(word[count - 1], "normal") == 0;
@@ -414,7 +454,7 @@ sp_status sp_place_read(const char *text, bool source, sp_place *out, bool *comp
 
 char *sp_place_text(const sp_place *at, bool source, char text[SP_PLACE_TEXT]) {
     const char *component = at->shear ? "shear" : "normal";
-    char one[SP_NUMBER_TEXT], two[SP_NUMBER_TEXT];
+    char one[SP_NUMBER_TEXT], two[SP_NUMBER_TEXT], three[SP_NUMBER_TEXT];
     switch (at->kind) {
     case SP_PLACE_WALL: snprintf(text, SP_PLACE_TEXT, "%s:%s", wall_of(source), component); break;
     case SP_PLACE_GRAIN: snprintf(text, SP_PLACE_TEXT, "grain:%d:%s", at->grain, component); break;
@@ -424,6 +464,10 @@ char *sp_place_text(const sp_place *at, bool source, char text[SP_PLACE_TEXT]) {
     case SP_PLACE_PART:
         snprintf(text, SP_PLACE_TEXT, "part:%s:%s:%s", sp_number_text(at->from, one), sp_number_text(at->to, two),
                  component);
+        break;
+    case SP_PLACE_DISC:
+        snprintf(text, SP_PLACE_TEXT, "disc:%s:%s:%s:%s", sp_number_text(at->x, one), sp_number_text(at->y, two),
+                 sp_number_text(at->diameter, three), component);
         break;
     }
     return text;

@@ -22,4 +22,7 @@ int sp_place_crossing(const sp_network *net, double height, double y, double ris
  * accept. */
 void sp_place_gaps(const sp_network *net, const sp_place *at, bool source, double *gap);
 
+/* Whether a centre is in a disc (SP_PLACE_DISC). */
+bool sp_place_in_disc(const sp_network *net, const sp_place *at, const double x[3]);
+
 #endif

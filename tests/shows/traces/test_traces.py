@@ -10,7 +10,7 @@ import pytest
 import sonopack
 from sonopack import Table
 from sonopack._command import Failed
-from sonopack.traces import Trace, against, arrivals, command, line, read, transfer
+from sonopack.traces import Response, Trace, against, arrivals, command, line, read, transfer
 from sonopack.traces.read import Form
 
 SEED, SPEED = 20261129, 250.0  # m/s of the laboratory
@@ -141,6 +141,32 @@ def test_scale(computed):
     measured.t = measured.t - 3
     fit = against(measured, Trace("own", "F", t, f, "own"))
     assert abs(fit.scale - 1.07) < 3 * fit.scale_err < 0.01 and fit.amplitude == pytest.approx(0.4, rel=0.02) and fit.rms < 1.3
+
+
+@pytest.mark.parametrize("f0, q", ((0.15, 3.0), (0.6, 1.0)))
+def test_response(computed, f0, q):
+    """A signal behind a resonance, convolved on a tenfold grid with omega/b exp(-omega t / (2 Q)) sin(b omega t): its scale is found
+    with the resonance, and with the pulse that it makes of a delta, measured from 2 us before with another interval; not without."""
+    t, f = computed
+    random, fine, omega = np.random.default_rng(SEED), np.arange(6000) * 0.003, 2 * np.pi * f0
+    b = math.sqrt(1 - 0.25 / q**2)
+
+    def ringing(t):
+        return np.where(t > 0, omega / b * np.exp(-omega * t / (2 * q)) * np.sin(b * omega * t), 0.0)
+
+    clean = np.convolve(np.interp((fine - 4) / 1.07, t, f, left=0), ringing(fine))[:6000:10] * 0.003
+    times = fine[::10] - 4
+    measured = Trace("lab", "a", times, clean + 0.002 * clean.max() * random.normal(size=len(times)))
+    long = np.arange(-2, 12 * q / omega, 0.021)
+    pulse = Trace("lab", "pulse", long, 3 * ringing(long) + 1e-4 * random.normal(size=len(long)))
+    signal = Trace("own", "F", t, f, "own")
+    for response in Response((f0, q)), Response(pulse):
+        fit = against(measured, signal, response=response)
+        # the noise of 130 samples is known within a factor of two at the frequencies of the front
+        assert abs(fit.scale - 1.07) < 5 * fit.scale_err < 0.002 and fit.rms < 1.5, (fit.scale, fit.scale_err, fit.rms)
+    assert fit.amplitude == pytest.approx(1 / 3, rel=0.02)
+    bare = against(measured, signal)
+    assert abs(bare.scale - 1.07) > 0.02 and bare.rms > 2 * fit.rms, (bare.scale, bare.rms)
 
 
 # ---- files ----------------------------------------------------------------------------------------------------------
