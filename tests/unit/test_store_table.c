@@ -62,7 +62,7 @@ static void aligned(void **state) {
                {"small", 1.23456789e-9, 5e-9, 2},
                {"known", 3.14159265358979, 1e-12, 3},
                {"none", 1.0 / 3, NAN, 4},
-               {"not", NAN, 0, 5}};
+               {"not", -NAN, 0, 5}};
     const struct {
         int digits;
         const char *text;

@@ -190,7 +190,8 @@ def against(trace: Trace, signal: Trace, free: bool = False, whole: bool = False
         scale = (trace.t[0] + trace.step * peak - delay) / (signal.t[0] + signal.step * own[2])
     start = trace.t[0] + trace.step * peak - delay - scale * (signal.t[0] + signal.step * own[2])
     if not scale > 0:
-        raise Failed(f"{trace.name}: the first peak is before the zero of time: --trigger or --free-trigger")
+        late = f", less the delay of the response, {delay:.3g}," if response else ""
+        raise Failed(f"{trace.name}: the first peak{late} is before the zero of time: --trigger or --free-trigger")
 
     def stretched(times: Floats, values: Floats) -> Floats:
         x = (times - values[1]) / math.exp(values[0])

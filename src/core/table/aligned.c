@@ -50,7 +50,9 @@ static void round_to_error(double value, double error, char text[SP_NUMBER_TEXT]
 static void number_text(const aligner *a, int64_t row, int column, char text[SP_NUMBER_TEXT]) {
     const double value = sp_table_number(a->t, row, column);
     const layout *l = &a->column[column];
-    if (a->digits > 0 || l->is_error)
+    if (!isfinite(value))
+        sp_number_text(value, text); /* which knows no -nan */
+    else if (a->digits > 0 || l->is_error)
         snprintf(text, SP_NUMBER_TEXT, "%.*g", a->digits > 0 ? a->digits : OF_ERRORS, value);
     else
         round_to_error(value, l->error < 0 ? NAN : sp_table_number(a->t, row, l->error), text);
