@@ -350,8 +350,9 @@ const cli_syntax cmd_modes_syntax = {
         "participation of modes of equal frequencies are not definite. With --prestress and tangential forces at rest "
         "the table has all motions exp(growth t) (cosine cos(omega t) + sine sin(omega t)), columns n, omega, growth, "
         "cosine, sine and error, the bound of |growth + i omega - exact|: a complex pair of omega^2 has two rows, "
-        "which grow and decay (at most 6000 degrees of freedom). --lowest K gives the K lowest that are no zero "
-        "motions, of networks of any size; the comment complete says up to which omega none is missing. A packing that "
+        "which grow and decay (at most 6000 degrees of freedom). --lowest K and --band give those that are no "
+        "zero motions, of networks of any size, where few lie below; the comment complete says up to which omega none "
+        "is missing. A packing that "
         "does not touch the bottom (top) wall has no source (detector): a (b) is nan, and a comment says none. --set "
         "takes keys of the group network.\n"
         "\n"
@@ -453,7 +454,7 @@ static double expected_modes(const arguments *a, const sp_network_size *net) {
 
 static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *err) {
     const arguments *a = user;
-    if (file->network.carried && !a->stability && a->range.lowest == 0 &&
+    if (file->network.carried && !a->stability && a->range.lowest == 0 && isinf(a->range.to) &&
         sp_network_dofs(&file->network) > SP_STABILITY_MAX)
         return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom, must be at most %d for modes of a nonsymmetric K",
                        (long long)sp_network_dofs(&file->network), SP_STABILITY_MAX);
@@ -470,7 +471,8 @@ static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *e
     cli_plan_add(p, "modes", (int64_t)modes, cost, a->common.output ? sp_bytes_table(modes, 7) : 0);
     if (a->vectors)
         cli_plan_add(p, "vectors", a->mode >= 0 ? 1 : (int64_t)modes, (sp_cost){0},
-                     a->mode >= 0 ? sp_bytes_table(net.grains, 7) : 8 * modes * net.dofs);
+                     a->mode >= 0 ? sp_bytes_table(net.grains, 7)
+                                  : (file->network.carried ? 32 : 8) * modes * net.dofs);
     return SP_OK;
 }
 

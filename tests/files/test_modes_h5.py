@@ -214,7 +214,7 @@ def growing():
     assert plot("mode", packing, FOLDER / "gu.tsv", "-o", FOLDER / "g.svg")[0] == 0
     status, said = plot("mode", packing, path, "-o", FOLDER / "no.svg")
     assert status == 1 and "--vectors FILE.tsv --mode N" in said, said
-    run("modes", packing, "--prestress", "--vectors", FOLDER / "gu.tsv", "--mode", 450, "-o", shown, "--force", status=1)
+    run("modes", packing, "--prestress", "--vectors", FOLDER / "gu.tsv", "--mode", 450, "-o", shown, "--force", status=2)
 
 
 def net_top(net):
@@ -285,7 +285,7 @@ def forgeries():
                         ("freedoms", 2), ("packing", 1), ("certified_from", np.nan), ("residual", np.nan)):
         forge(put(name, np.array(value, g[name].dtype)))
     forge(put("source", "loud"), "/modes/source", "loud")
-    forge(lambda g: g.attrs.modify("format", 2), "2")
+    forge(lambda g: g.attrs.modify("format", 3), "3")
     for name in g:
         if name not in ("column", "rattler", "vector_error"):  # these are for readers; ours derives them
             forge(lambda f, name=name: f.__delitem__(name), f"/modes/{name}")

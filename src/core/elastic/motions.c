@@ -14,8 +14,6 @@
  * Between is neither. Each pass leaves s/(s + lambda) of a motion that stretches something, of s = SOFT: a hundredth
  * or less. */
 static const double SOFT = 1e-12, FIRM = 1e-10;
-/* Differences of random motions, whose grains move by about 1, that are 0 but for rounding; and forces likewise. */
-static const double NOTHING = 2e-6;
 enum { PASSES = 8, MOST = 8 };
 
 /* ---- the network of unit springs --------------------------------------------------------------------------------- */
@@ -200,15 +198,6 @@ static void project_forces(mover *m) {
         for (int lane = 0; lane < LANES; lane++)
             transform(m, true, m->force + lane * forces, m->v + lane * n);
     }
-}
-
-bool sp_mover_none(mover *m, double squares) {
-    const double size = sqrt(squares / LANES);
-    if (size <= NOTHING)
-        m->r->equal = fmax(m->r->equal, size);
-    else
-        m->r->apart = fmin(m->r->apart, size);
-    return size <= NOTHING;
 }
 
 static void find_redundant(mover *m) {

@@ -5,6 +5,8 @@
 #include "elastic/rigid.h"
 #include "linalg/ldl.h"
 
+#include <math.h>
+
 enum { LANES = SP_LDL_LANES };
 
 typedef struct mover {
@@ -25,8 +27,17 @@ static inline const double *sp_mover_motion(const mover *m, int lane, int32_t i)
     return m->v + ((int64_t)lane * m->net.n + i) * m->net.dof;
 }
 
-/* Whether a difference, as a sum of squares over all vectors, is none. */
-bool sp_mover_none(mover *m, double squares);
+/* Whether a difference of random motions, whose grains move by about 1, or of forces, is 0 but for rounding. squares: a
+ * sum over all vectors. */
+static inline bool sp_mover_none(mover *m, double squares) {
+    const double nothing = 2e-6, size = sqrt(squares / LANES);
+    if (size <= nothing)
+        m->r->equal = fmax(m->r->equal, size);
+    else
+        m->r->apart = fmin(m->r->apart, size);
+    return size <= nothing;
+}
+
 /* Labels of contacts: of grains with spins and of disks, whose contacts have one cluster each; ... */
 sp_status sp_mover_bodies(mover *m, sp_error *err);
 /* ... and of smooth spheres, where a contact may be the hinge of several. */
