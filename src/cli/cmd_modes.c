@@ -99,13 +99,24 @@ static sp_status stability(const cli_file *file, cli_writer *w) {
 
 /* ---- --vectors: of all modes as a file, or the displacements of one as a table ----------------------------------- */
 
-/* A table of the displacements in the mode of --mode. e: the vectors of the modes first .. end - 1, real or the real
- * parts. */
+/* Whether there is the mode of --mode, and a table can say what it belongs to. */
+static sp_status check_mode(const arguments *a, const cli_file *file, int64_t first, int64_t end, sp_error *err) {
+    if (a->mode < first || a->mode >= end)
+        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in %lld .. %lld", (long long)a->mode, (long long)first,
+                       (long long)(end - 1));
+    if (file->scene->network.tangential != SP_SPRINGS_CONSTANT)
+        return sp_fail_key(err, SP_EREFUSED, "network.tangential",
+                           ": must be \"constant\" for a table of displacements, which cannot say otherwise");
+    return SP_OK;
+}
+
+/* This mode: a vector, or its real part; one more number and what its name and the vector mean. */
 typedef struct shown {
-    const arguments *a;
-    const cli_file *file;
-    int64_t first, end;
+    double omega, error;
     const double *e;
+    const char *name;
+    double number;
+    const char *meaning;
 } shown;
 
 static void displacement_rows(const sp_network *net, const double *e, cli_writer *w) {
@@ -117,47 +128,21 @@ static void displacement_rows(const sp_network *net, const double *e, cli_writer
     }
 }
 
-/* Begins the table; the caller adds comments. */
-static void begin_displacements(const shown *s, double omega, double error, cli_writer *w) {
-    cli_motion_columns(&s->file->network, "1/sqrt(rho d^3)", "1/sqrt(rho d^5)", w);
-    cli_motion_comments(s->file, "mode", w);
-    cli_comment(w, "mode = %lld", (long long)s->a->mode);
-    cli_value(w, "omega", omega);
-    cli_value(w, "omega_error", error);
-}
-
-static sp_status end_displacements(const shown *s, cli_writer *w) {
-    const sp_network *net = &s->file->network;
-    cli_common there = s->a->common;
-    there.format_given = false;
-    cli_comment(w, "rattlers = %d, which are left out", net->rattlers);
-    displacement_rows(net, s->e + (s->a->mode - s->first) * sp_network_dofs(net), w);
-    CLI_THEN(w->status, cli_write_table_to(&there, s->a->vectors, w->table, w->err));
-    return w->status;
-}
-
-/* Whether there is this mode, and a table can say what it belongs to. */
-static sp_status check_shown(const shown *s, sp_error *err) {
-    if (s->a->mode < s->first || s->a->mode >= s->end)
-        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in %lld .. %lld", (long long)s->a->mode,
-                       (long long)s->first, (long long)(s->end - 1));
-    if (s->file->scene->network.tangential != SP_SPRINGS_CONSTANT)
-        return sp_fail_key(err, SP_EREFUSED, "network.tangential",
-                           ": must be \"constant\" for a table of displacements, which cannot say otherwise");
-    return SP_OK;
-}
-
-static sp_status write_displacements(const arguments *a, const cli_file *file, const sp_modes *m, sp_error *err) {
-    const shown s = {a, file, m->first + m->n_rattler, m->first + m->n, m->vectors};
-    const int64_t row = a->mode - m->first;
+static sp_status write_displacements(const arguments *a, const cli_file *file, const shown *m, sp_error *err) {
     sp_table t = sp_table_none();
-    cli_writer w = {.table = &t, .err = err, .status = check_shown(&s, err)};
-    if (w.status != SP_OK)
-        return w.status;
-    begin_displacements(&s, m->omega[row], m->error[row], &w);
-    cli_value(&w, "vector_error", sp_modes_vector_error(m, &file->network, row));
-    cli_comment(&w, "u = M^(-1/2) e with |e| = 1; vector_error is a bound of |e - exact|");
-    end_displacements(&s, &w);
+    cli_writer w = {.table = &t, .err = err};
+    cli_common there = a->common;
+    there.format_given = false;
+    cli_motion_columns(&file->network, "1/sqrt(rho d^3)", "1/sqrt(rho d^5)", &w);
+    cli_motion_comments(file, "mode", &w);
+    cli_comment(&w, "mode = %lld", (long long)a->mode);
+    cli_value(&w, "omega", m->omega);
+    cli_value(&w, "omega_error", m->error);
+    cli_value(&w, m->name, m->number);
+    cli_comment(&w, "%s", m->meaning);
+    cli_comment(&w, "rattlers = %d, which are left out", file->network.rattlers);
+    displacement_rows(&file->network, m->e, &w);
+    CLI_THEN(w.status, cli_write_table_to(&there, a->vectors, &t, err));
     sp_table_free(&t);
     return w.status;
 }
@@ -178,33 +163,38 @@ static sp_status check_vectors(const char *path, int64_t mode, sp_error *err) {
 
 static sp_status write_vectors(const arguments *a, const cli_file *file, const sp_modes *m, sp_error *err) {
     const sp_modes_made made = {.network = file->scene->network, .source = (sp_source)a->source};
-    if (!cli_is_hdf5(a->vectors))
-        return write_displacements(a, file, m, err);
-    return sp_modes_save(m, &file->packing, &file->network, &made, a->vectors, err);
+    const int64_t row = a->mode - m->first;
+    if (cli_is_hdf5(a->vectors))
+        return sp_modes_save(m, &file->packing, &file->network, &made, a->vectors, err);
+    const sp_status status = check_mode(a, file, m->first + m->n_rattler, m->first + m->n, err);
+    if (status != SP_OK)
+        return status;
+    const shown one = {.omega = m->omega[row],
+                       .error = m->error[row],
+                       .e = m->vectors + (row - m->n_rattler) * m->dofs,
+                       .name = "vector_error",
+                       .number = sp_modes_vector_error(m, &file->network, row),
+                       .meaning = "u = M^(-1/2) e with |e| = 1; vector_error is a bound of |e - exact|"};
+    return write_displacements(a, file, &one, err);
 }
 
 /* ---- prestress with friction: modes that may grow --------------------------------------------------------------- */
 
-static sp_status write_growing_one(const arguments *a, const cli_file *file, const sp_complex_modes *m, sp_error *err) {
-    const shown s = {a, file, m->first + m->rattlers, m->first + m->n, m->right};
-    const int64_t row = a->mode - m->first;
-    sp_table t = sp_table_none();
-    cli_writer w = {.table = &t, .err = err, .status = check_shown(&s, err)};
-    if (w.status != SP_OK)
-        return w.status;
-    begin_displacements(&s, m->omega[row], m->error[row], &w);
-    cli_value(&w, "growth", m->growth[row]);
-    cli_comment(&w, "u = Re M^(-1/2) e with |e| = 1, whose largest component is positive");
-    end_displacements(&s, &w);
-    sp_table_free(&t);
-    return w.status;
-}
-
 static sp_status write_growing(const arguments *a, const cli_file *file, const sp_complex_modes *m, sp_error *err) {
     const sp_modes_made made = {.network = file->scene->network, .source = (sp_source)a->source};
-    if (!cli_is_hdf5(a->vectors))
-        return write_growing_one(a, file, m, err);
-    return sp_complex_modes_save(m, &file->packing, &file->network, &made, a->vectors, err);
+    const int64_t row = a->mode - m->first;
+    if (cli_is_hdf5(a->vectors))
+        return sp_complex_modes_save(m, &file->packing, &file->network, &made, a->vectors, err);
+    const sp_status status = check_mode(a, file, m->first + m->rattlers, m->first + m->n, err);
+    if (status != SP_OK)
+        return status;
+    const shown one = {.omega = m->omega[row],
+                       .error = m->error[row],
+                       .e = m->right + (row - m->rattlers) * m->dofs,
+                       .name = "growth",
+                       .number = m->growth[row],
+                       .meaning = "u = Re M^(-1/2) e with |e| = 1, whose largest component is positive"};
+    return write_displacements(a, file, &one, err);
 }
 
 static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w) {

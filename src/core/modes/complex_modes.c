@@ -282,7 +282,7 @@ static sp_status too_large(const sp_network *net, sp_error *err) {
                : sp_fail(
                      err, SP_EREFUSED,
                      "%lld degrees of freedom, must be at most %d for all modes of a nonsymmetric K, or few of them "
-                     "must be wanted (--lowest)",
+                     "must be wanted (--lowest, --band)",
                      (long long)n, SP_STABILITY_MAX);
 }
 

@@ -68,11 +68,8 @@ static const sp_h5_field field[] = {
 };
 enum { FIELDS = sizeof field / sizeof *field };
 
-/* The same of modes that may grow, without those of rattlers. */
-static const struct complex_array {
-    sp_h5_name name;
-    size_t offset; /* of the pointer in sp_complex_modes */
-} complex_array[] = {
+/* The same of modes that may grow, without those of rattlers; offset: in sp_complex_modes. */
+static const struct mode_array complex_array[] = {
     {{"/modes/omega", FREQUENCY, "imaginary part of the exponent: the motion is M^(-1/2) e exp((growth + i omega) t)"},
      offsetof(sp_complex_modes, omega)},
     {{"/modes/growth", FREQUENCY, "real part of the exponent; negative: the motion decays"},
@@ -84,7 +81,7 @@ static const struct complex_array {
 };
 enum { COMPLEX_ARRAYS = sizeof complex_array / sizeof *complex_array };
 
-static const struct complex_array complex_vector[] = {
+static const struct mode_array complex_vector[] = {
     {{"/modes/vector", "1",
       "real part of e, one mode a row: A e = -(growth + i omega)^2 e, A = M^(-1/2) J M^(-1/2), |e| = 1, the largest "
       "component positive"},
@@ -229,7 +226,7 @@ static void put_all(sp_h5 *h, const sp_modes *m, const place *at) {
     sp_h5_put_rows(h, &name_vector, SP_H5_F64, &vectors, m->vectors);
 }
 
-static const double *complex_at(const struct complex_array *a, const sp_complex_modes *m) {
+static const double *complex_at(const struct mode_array *a, const sp_complex_modes *m) {
     return *(double *const *)(const void *)((const char *)m + a->offset);
 }
 
@@ -240,10 +237,10 @@ static void put_complex(sp_h5 *h, const sp_complex_modes *m, const place *at) {
     put_head(h, at, COMPLEX_FORMAT);
     sp_h5_put_fields(h, COMPLEX_FIELDS, complex_field, &rest);
     put_network(h, at);
-    for (const struct complex_array *a = complex_array; a < complex_array + COMPLEX_ARRAYS; a++)
+    for (const struct mode_array *a = complex_array; a < complex_array + COMPLEX_ARRAYS; a++)
         sp_h5_put(h, &a->name, SP_H5_F64, &modes, complex_at(a, m) + m->rattlers);
     put_mass(h, at->net);
-    for (const struct complex_array *a = complex_vector; a < complex_vector + 4; a++)
+    for (const struct mode_array *a = complex_vector; a < complex_vector + 4; a++)
         sp_h5_put_rows(h, &a->name, SP_H5_F64, &vectors, complex_at(a, m));
 }
 
