@@ -14,7 +14,7 @@ from common import PATIENCE, expect
 # of the Python package: they have completions of their own
 PYTHON = set("plot view convert reproduce trace".split())
 # keys whose examples contradict those of others
-ALONE = tuple(f"packing.{key}=" for key in ("kind", "compression", "height", "tangential"))
+ALONE = tuple(f"packing.{key}=" for key in ("kind", "compression", "height", "tangential", "shape"))
 
 
 @functools.cache
