@@ -217,6 +217,22 @@ def growing():
     run("modes", packing, "--prestress", "--vectors", FOLDER / "gu.tsv", "--mode", 450, "-o", shown, "--force", status=2)
 
 
+def growing_spheres():
+    """Of the sparse solver a pair, whose vectors come with any phase."""
+    packing, path = FOLDER / "gs.h5", FOLDER / "gsv.h5"
+    run("pack", "-q", "-o", packing, *(word for key in (
+        "dimension=3", "grains=230", "width=5", "pressure=1e-2", "friction=0.8", 'protocol="quick"') for word in ("--set", f"packing.{key}")))
+    run("modes", packing, "--prestress", "--lowest", 25, "--solver=lanczos", "--vectors", path, "-o", FOLDER / "gs.tsv")
+    with h5py.File(path) as f:
+        g = {name: d[()] for name, d in f["modes"].items()}
+    e, left = g["vector"] + 1j * g["vector_imaginary"], g["left"] + 1j * g["left_imaginary"]
+    pair = g["growth"] > g["error"]
+    assert g["pairs"] == np.sum(pair) > 0 and np.abs(e[pair].imag).max() > 1e-3
+    most = e[np.arange(len(e)), np.abs(e).argmax(1)]
+    assert np.all(most.real > 0) and np.abs(most.imag).max() < 1e-15
+    assert np.abs(left @ e.T - np.eye(len(e))).max() < 1e-12
+
+
 def net_top(net):
     """The square of the command's bound of all frequencies is at most this: Gershgorin's."""
     return 1.3 * np.abs(net.turned / np.sqrt(np.outer(net.mass, net.mass))).sum(1).max()
@@ -339,6 +355,7 @@ try:
     part_of_a_spectrum()
     spheres()
     growing()
+    growing_spheres()
     command_lines()
     forgeries()
     damage()

@@ -297,6 +297,9 @@ TEST(test_hinges_in_space) {
     for (k = 0; k < 18; k++)
         assert_int_equal(c.redundant[k], 1);
     sp_clusters_free(&c);
+    const sp_clusters_options real = {SP_CLUSTERS_MOTIONS, 0.99, true};
+    EACH_ALLOCATION_FAILS(10, sp_clusters_make(&g.p, &g.net, &real, &c, &err), assert_true(!lacks || !c.bars),
+                          assert_true(lacks || c.count == 2), sp_clusters_free(&c));
 }
 
 TEST(test_packings) {
