@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import os
 import pathlib
 import re
 import subprocess
@@ -36,16 +37,23 @@ def _metadata():
         "Description-Content-Type: text/markdown", "", (SOURCE / project["readme"]).read_text()])
 
 
+def _outside():
+    """The environment without pip's, in which packages of the system are hidden; None if it lacks what the build needs."""
+    clean = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
+    needs = subprocess.run([sys.executable, "-c", "import cffi, numpy"], env=clean, stderr=subprocess.DEVNULL)
+    return clean if needs.returncode == 0 else None
+
+
 def _run(*words):
-    subprocess.run(["cmake", *map(str, words)], check=True)
+    subprocess.run(["cmake", *map(str, words)], check=True, env=_outside())
 
 
 def _installed(build, folder):
     """The tree of an installation."""
     if build is None:
         build = folder / "build"
-        _run("-S", SOURCE, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DSONOPACK_TESTS=OFF", f"-DSONOPACK_PYTHON_DIR={PACKAGE}",
-             f"-DPython3_EXECUTABLE={sys.executable}")
+        _run("-S", SOURCE, "-B", build, "-DCMAKE_BUILD_TYPE=Release", "-DSONOPACK_TESTS=OFF", "-DSONOPACK_PYTHON=ON",
+             f"-DSONOPACK_PYTHON_DIR={PACKAGE}", f"-DPython3_EXECUTABLE={sys.executable}")
         _run("--build", build, "--parallel")
     _run("--install", build, "--prefix", folder / "tree")
     return folder / "tree"
@@ -62,25 +70,43 @@ def _files(tree, data):
     yield f"{data}/data/share/man/man1/sonopack.1", (tree / "share/man/man1/sonopack.1").read_bytes()
 
 
+def _tag():
+    return f"cp3{sys.version_info.minor}-abi3-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
+
+
+def _info():
+    """The files about the wheel, by their names."""
+    about = f"Wheel-Version: 1.0\nGenerator: sonopack\nRoot-Is-Purelib: false\nTag: {_tag()}\n"
+    return {f"sonopack-{_version()}.dist-info/{name}": content for name, content in (
+        ("METADATA", _metadata().encode()), ("LICENSE", (SOURCE / "LICENSE").read_bytes()), ("WHEEL", about.encode()))}
+
+
+def get_requires_for_build_wheel(config_settings=None):
+    return [] if _outside() else ["cffi", "numpy"]
+
+
+def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
+    for name, content in _info().items():
+        path = pathlib.Path(metadata_directory) / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(content)
+    return f"sonopack-{_version()}.dist-info"
+
+
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     base = f"sonopack-{_version()}"
-    tag = f"cp3{sys.version_info.minor}-abi3-{sysconfig.get_platform().replace('-', '_').replace('.', '_')}"
-    name = f"{base}-{tag}.whl"
+    name = f"{base}-{_tag()}.whl"
     with tempfile.TemporaryDirectory() as folder, zipfile.ZipFile(pathlib.Path(wheel_directory) / name, "w",
                                                                   zipfile.ZIP_DEFLATED) as wheel:
         tree = _installed((config_settings or {}).get("build-dir"), pathlib.Path(folder))
-        info = f"{base}.dist-info"
-        files = {**dict(_files(tree, f"{base}.data")), f"{info}/METADATA": _metadata().encode(),
-                 f"{info}/LICENSE": (SOURCE / "LICENSE").read_bytes(),
-                 f"{info}/WHEEL": f"Wheel-Version: 1.0\nGenerator: sonopack\nRoot-Is-Purelib: false\nTag: {tag}\n".encode()}
         record = ""
-        for path, content in files.items():
+        for path, content in {**dict(_files(tree, f"{base}.data")), **_info()}.items():
             entry = zipfile.ZipInfo(path)
             entry.external_attr = (0o100755 if "/scripts/" in path else 0o100644) << 16  # a regular file
             wheel.writestr(entry, content, zipfile.ZIP_DEFLATED)
             digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()
             record += f"{path},sha256={digest},{len(content)}\n"
-        wheel.writestr(f"{info}/RECORD", record + f"{info}/RECORD,,\n")
+        wheel.writestr(f"{base}.dist-info/RECORD", f"{record}{base}.dist-info/RECORD,,\n")
     return name
 
 
