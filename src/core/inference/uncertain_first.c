@@ -68,10 +68,11 @@ static void add_grains(const first_order *f, const sp_gradient *g, double densit
         double moved = 0;
         for (int a = 0; a < f->net.dim; a++) {
             const double x = g->position.d[3 * (size_t)i + (size_t)a] + density_part * slope[1 + a];
-            moved += x * x * e->position * e->position;
+            const double square = x * x * e->position * e->position;
+            v[SP_ERROR_POSITION] += square;
+            moved += square;
         }
         v[SP_ERROR_RADIUS] += grown;
-        v[SP_ERROR_POSITION] += moved;
         if (part)
             part[i] = grown + moved;
     }

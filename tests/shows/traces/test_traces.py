@@ -223,7 +223,7 @@ def test_text(tmp_path, name):
     for trace, values in zip(found, (A, B)):
         assert np.allclose(trace.t, T[0] * 1e6 + 0.4 * np.arange(N), atol=0.01) and np.allclose(trace.f, values, atol=1e-6)
         assert not trace.notes or "rounded" in trace.notes[0]
-        assert trace.f_unit == "V" or not re.search("V|[Vv]olt", FILES[name][0][:-9000])
+        assert trace.f_unit == "V" or not re.search("V", FILES[name][0][:-9000])
 
 
 def sac_text(values):
