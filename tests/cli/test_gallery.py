@@ -17,6 +17,7 @@ import itertools
 import math
 import pathlib
 import re
+import shutil
 import sys
 import tempfile
 
@@ -24,7 +25,8 @@ from test_readme import COMMAND, SOURCE, console_commands, run_page
 
 FOLDER = SOURCE / "docs/gallery"
 PAGES = sorted(FOLDER.glob("[0-9][0-9]-*.md"))
-WORDS = ("docs/recipes.md", "docs/faq.md")
+WORDS = ["docs/recipes.md", "docs/faq.md"] + [
+    f"docs/literature/{page.name}" for page in sorted(SOURCE.glob("docs/literature/[a-z]*.md"))]
 LARGEST = 60000  # bytes of a picture
 COMMENT = re.compile(r"<!-- check: (.+?) -->", re.S)
 CHECK = re.compile(r"\s*(\S+) ([=<>]) (.+)", re.S)
@@ -171,6 +173,7 @@ def check_page(page, before, after, pictures):
 
 
 def words_of(page, scratch, outputs):
+    shutil.copytree(SOURCE / "docs/studies/results", scratch, dirs_exist_ok=True)
     keep_outputs(outputs, scratch)
     return check_numbers((SOURCE / page).read_text(), scratch)
 
