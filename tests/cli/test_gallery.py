@@ -6,8 +6,9 @@ usage: test_gallery.py COMMAND SOURCE_DIR [--pictures]
 A page tells what is to come out in comments: `<!-- check: VALUE = EXPRESSION; ... -->`, also with < or >. In the expression
 FILE.tsv:COLUMN:ROW is a number of a table (row 1 may be left out), FILE.tsv:#NAME that of a comment `# NAME = number`.
 FILE.tsv may be one of docs/studies/results. FILE is also what `sonopack FILE` printed (front.out), the second time
-front2.out. The functions are those of Python's math. VALUE is as the page writes it, which the test looks for; of 0.119(2) the second number is that of the column with _err at
-its end. A number with a point or an exponent may differ by one in its last digit, any other by nothing.
+front2.out. The functions are those of Python's math. VALUE is as the page writes it, which the test looks for; of 0.119(2)
+the second number is that of the column with _err at its end. A number with a point or an exponent may differ by one in its
+last digit, any other by nothing.
 
 Blocks of ```console python run where the Python package is built, those of ```console chromium only with --pictures. This
 makes the pictures in docs/gallery anew, from what the commands drew, reduced to be small (Pillow; build with
@@ -28,7 +29,7 @@ PAGES = sorted(FOLDER.glob("[0-9][0-9]-*.md"))
 WORDS = ["docs/recipes.md", "docs/faq.md"] + [
     f"docs/literature/{page.name}" for page in sorted(SOURCE.glob("docs/literature/[a-z]*.md"))]
 LARGEST = 60000  # bytes of a picture
-COMMENT = re.compile(r"<!-- check: (.+?) -->", re.S)
+COMMENT = re.compile(r"<!-- check: (.+?)\s-->", re.S)
 CHECK = re.compile(r"\s*(\S+)\s([=<>])\s(.+)", re.S)
 TERM = re.compile(r"([\w.-]+\.(?:tsv|out)):(#?\w+)(?::(\d+))?")
 
@@ -45,7 +46,7 @@ def value_of(expression, folder):
     def number(found):
         return f"({table_number(folder / found[1], found[2], int(found[3] or 1))!r})"
     names = {name: getattr(math, name) for name in ("sqrt", "log", "exp", "pi", "inf", "nan")}
-    return eval(TERM.sub(number, expression), {"__builtins__": {"abs": abs, "min": min, "max": max, "round": round}}, names)
+    return eval(f"({TERM.sub(number, expression)})", {"__builtins__": {"abs": abs, "min": min, "max": max, "round": round}}, names)
 
 
 def last_digit(text):
