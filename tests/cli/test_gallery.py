@@ -1,13 +1,14 @@
 """The pages of docs/gallery: their commands run and make their picture, and print the numbers that the pages tell; the
-pages are short and linked in a chain that the index follows.
+pages are short and linked in a chain that the index follows. The pages of docs/literature, recipes.md and faq.md run too.
 
 usage: test_gallery.py COMMAND SOURCE_DIR [--pictures]
 
 A page tells what is to come out in comments: `<!-- check: VALUE = EXPRESSION; ... -->`, also with < or >. In the expression
 FILE.tsv:COLUMN:ROW is a number of a table (row 1 may be left out), FILE.tsv:#NAME that of a comment `# NAME = number`.
-FILE is also what `sonopack FILE` printed (front.out), the second time front2.out. The functions are those of Python's
-math. VALUE is as the page writes it, which the test looks for; of 0.119(2) the second number is that of the column with _err at
-its end. A number with a point or an exponent may differ by one in its last digit, any other by nothing.
+FILE.tsv may be one of docs/studies/results. FILE is also what `sonopack FILE` printed (front.out), the second time
+front2.out. The functions are those of Python's math. VALUE is as the page writes it, which the test looks for; of 0.119(2)
+the second number is that of the column with _err at its end. A number with a point or an exponent may differ by one in its
+last digit, any other by nothing.
 
 Blocks of ```console python run where the Python package is built, those of ```console chromium only with --pictures. This
 makes the pictures in docs/gallery anew, from what the commands drew, reduced to be small (Pillow; build with
@@ -17,6 +18,7 @@ import itertools
 import math
 import pathlib
 import re
+import shutil
 import sys
 import tempfile
 
@@ -24,10 +26,11 @@ from test_readme import COMMAND, SOURCE, console_commands, run_page
 
 FOLDER = SOURCE / "docs/gallery"
 PAGES = sorted(FOLDER.glob("[0-9][0-9]-*.md"))
-WORDS = ("docs/recipes.md", "docs/faq.md")
+WORDS = ["docs/recipes.md", "docs/faq.md"] + [
+    f"docs/literature/{page.name}" for page in sorted(SOURCE.glob("docs/literature/[a-z]*.md"))]
 LARGEST = 60000  # bytes of a picture
-COMMENT = re.compile(r"<!-- check: (.+?) -->", re.S)
-CHECK = re.compile(r"\s*(\S+) ([=<>]) (.+)", re.S)
+COMMENT = re.compile(r"<!-- check: (.+?)\s-->", re.S)
+CHECK = re.compile(r"\s*(\S+)\s([=<>])\s(.+)", re.S)
 TERM = re.compile(r"([\w.-]+\.(?:tsv|out)):(#?\w+)(?::(\d+))?")
 
 
@@ -43,7 +46,7 @@ def value_of(expression, folder):
     def number(found):
         return f"({table_number(folder / found[1], found[2], int(found[3] or 1))!r})"
     names = {name: getattr(math, name) for name in ("sqrt", "log", "exp", "pi", "inf", "nan")}
-    return eval(TERM.sub(number, expression), {"__builtins__": {"abs": abs, "min": min, "max": max, "round": round}}, names)
+    return eval(f"({TERM.sub(number, expression)})", {"__builtins__": {"abs": abs, "min": min, "max": max, "round": round}}, names)
 
 
 def last_digit(text):
@@ -171,6 +174,7 @@ def check_page(page, before, after, pictures):
 
 
 def words_of(page, scratch, outputs):
+    shutil.copytree(SOURCE / "docs/studies/results", scratch, dirs_exist_ok=True)
     keep_outputs(outputs, scratch)
     return check_numbers((SOURCE / page).read_text(), scratch)
 
@@ -188,8 +192,11 @@ def main():
     faults = [] if len(PAGES) >= 18 else ["pages are missing"]
     for page, before, after in zip(PAGES, [None, *PAGES], [*PAGES[1:], None]):
         faults += check_page(page, before, after, "--pictures" in sys.argv)
+    fences = fences_of(False)
     for page in WORDS:
-        fault = run_page(page, lambda scratch, outputs, page=page: words_of(page, scratch, outputs))
+        if "```console python" in (SOURCE / page).read_text() and len(fences) < 2:
+            continue
+        fault = run_page(page, lambda scratch, outputs, page=page: words_of(page, scratch, outputs), fences)
         faults += [f"{page}: {one}" for one in ([fault] if isinstance(fault, str) else fault)]
     faults += check_index()
     print(*faults, sep="\n")
