@@ -62,7 +62,7 @@ def _compute(a: argparse.Namespace, net: Network) -> Table:
 def _density(net: Network, margin: float) -> float:
     """Of the grains that carry, in the bulk, as sp_packing_density."""
     p = ffi.new("sp_packing *", {"dim": net.dim, "n": len(net.x), "box": [*net.box, 1.0][:3]})
-    p.cell = ("piston", "periodic", "box").index(net.cell)
+    p.cell = ("piston", "periodic", "box", "ring").index(net.cell)
     x = np.zeros((len(net.x), 3))
     x[:, :net.dim] = net.x
     arrays = [np.ascontiguousarray(values, float) for values in (x, net.radius, net.mass[:, 0])]

@@ -9,12 +9,13 @@ import numpy as np
 
 from .._core import Floats, Integers
 from ._faults import bad_file, bad_option
-from .options import SIDES, Column
+from .options import NAN, RINGS, SIDES, Column
 from .sheet import Mask, Sheet
-from .work import Links, Work, dot, joined, length, links_of, running_sum, sum_over
+from .work import Links, Work, dot, joined, length, links_of, running_sum, sphere_mass, sum_over
 
 _WALL = -100  # a wall of which it is not known which: far from the numbers of walls
-_USUAL = (("f_floor", "f_bottom"), ("f_roof", "f_top"), ("f_left",), ("f_right",), ("f_front",), ("f_back",))
+_USUAL = (("f_floor", "f_bottom", "f_inner"), ("f_roof", "f_top", "f_outer"), ("f_left",), ("f_right",), ("f_front",),
+          ("f_back",))
 
 
 def read(w: Work) -> None:
@@ -94,6 +95,7 @@ def _find_grains(w: Work, sheet: Sheet, column: int) -> tuple[Integers, Mask]:
     if len(named):
         words = np.array(sheet.words(column))[named]
         sides = {side: -1 - k for k, side in enumerate(SIDES) if w.has_side(-1 - k)}
+        sides |= {name: -1 - k for k, name in enumerate(RINGS) if w.cell == "ring"}
         sheet.refuse(~np.isin(words, list(sides)), column, "a whole number", named)
         grain[named] = [sides[word] for word in words]
     rows = np.flatnonzero(~np.isnan(values))
@@ -133,11 +135,15 @@ def _place_at_walls(w: Work, listed: _List, links: Links) -> Mask:
     here, point = np.flatnonzero(links.j == _WALL), listed.vectors["p"]
     if len(here) == 0:
         return beside
+    w.pointed = True
     if point is None:
         raise bad_file(f"{listed.where(links, here[0])}: a contact with a wall without the point of contact, p_x p_y")
     p = w.vectors(listed.sheet, point, links.row[here])
     p = p * w.scale - np.array(w.low) - w.x[links.i[here]]
     p[:, w.dim:] = 0
+    if w.cell == "ring":
+        links.j[here] = np.where(dot(p, w.ring_of(w.x[links.i[here]])[0]) > 0, -2, -1)
+        return beside
     axis = _largest_axis(w, p)
     along = p[np.arange(len(p)), axis]
     links.j[here] = [w.wall_on(a, value) for a, value in zip(axis.tolist(), along.tolist())]
@@ -240,7 +246,7 @@ def _touching_walls(w: Work) -> Links:
     for side in np.flatnonzero(w.has_wall):
         links = links_of(np.arange(w.n), np.full(w.n, -1 - side))
         w.place_links(links)
-        out = joined(out, links[links.depth > 0])
+        out = joined(out, links[links.depth > (-3 * w.place if w.has_forces else 0)])
     return out
 
 
@@ -294,14 +300,39 @@ def read_walls(w: Work) -> None:
     elif walls == "overlap" or (w.form != "photoelastic" and not (w.links.j < 0).any()):
         if walls is not None and not w.has_wall[0] and not w.has_wall[1]:
             raise bad_option(f"--walls overlap: {w.path} has no box along {w.name_of(w.up)}; must be given: --set "
-                             "bottom=PLACE, --set top=PLACE")
-        w.links = joined(w.links, _touching_walls(w))
+                             "bottom=PLACE, --set top=PLACE (of a ring inner, outer, x0, y0)")
+        near = _touching_walls(w)
+        w.links = joined(w.links, _balanced(w, near) if w.has_forces else near)
+    _check_near(w)
+
+
+def _check_near(w: Work) -> None:
+    """Grains that a wall pushes must be beside it. Where we guessed the wall, and most are, the others are left out."""
+    walls = np.flatnonzero(w.links.j < 0)
+    gap, r = w.wall_gap(w.links[walls]), w.r[w.links.i[walls]]
+    far = gap > 2 * r
+    if w.pointed or not far.any():
+        return
+    side = int(np.bincount(-1 - w.links.j[walls[far]]).argmax())
+    there = w.links.j[walls] == -1 - side
+    if w.o.walls == "balance" and 2 * (far & there).sum() <= there.sum():
+        w.links = w.links[np.setdiff1d(np.arange(len(w.links)), walls[far])]
+        w.note(f"{int(far.sum())} boundary grains are farther than a radius from the wall that would push them: this "
+               "force is left out")
+        return
+    worst = float((gap - r)[far & there].max())
+    raise bad_file(f"{w.path}: {int((far & there).sum())} of {int(there.sum())} contacts with the "
+                   f"{w.side_name(-1 - side)} wall are of grains farther than a radius from it, up to {worst:.3g} d: must "
+                   "touch it. Where are the walls: two rings (--set cell=ring), on four sides (--set cell=box, with left, "
+                   "right, bottom and top), elsewhere (bottom, top)? --walls none leaves them out")
 
 
 # ---- forces of walls ------------------------------------------------------------------------------------------------
 
 def _pushing(w: Work, grain: Integers, force: Floats) -> Integers:
     """The walls that push grains. In a box it is the nearest of those that push in the direction of the force."""
+    if w.cell == "ring":
+        return np.where(dot(force, w.ring_of(w.x[grain])[0]) > 0, -1, -2)
     best = np.where(force[:, w.up] > 0, -1, -2)
     nearest = np.full(len(grain), math.inf)
     for a in range(w.dim if w.cell == "box" else 0):
@@ -318,6 +349,7 @@ def _add_forces(w: Work, grain: Integers, wall: Integers, force: Floats, point: 
     links = links_of(grain, wall)
     w.place_links(links)
     beside = np.zeros(len(grain), bool) if point is None else _turn_normals(w, links, point)
+    w.pointed = w.pointed or point is not None
     along = -dot(force, links.n)
     links.fn, links.ft = along * w.force, (force + along[:, None] * links.n) * w.force
     pulls = (links.fn < 0) & ~beside
@@ -327,13 +359,12 @@ def _add_forces(w: Work, grain: Integers, wall: Integers, force: Floats, point: 
 
 def _turn_normals(w: Work, links: Links, point: Floats) -> Mask:
     """Normals point to the points of contact. Returns which lie at the side."""
-    axis = np.array([w.axis_of(j) for j in links.j.tolist()], dtype=np.int64)
     d = point * w.scale - np.array(w.low) - w.x[links.i]
     d[:, w.dim:] = 0
     known = np.isfinite(d[:, 0]) & (length(d) > 0)
     for a in np.flatnonzero(w.periodic[:w.up]):
         d[:, a] -= w.edge[a] * np.rint(d[:, a] / w.edge[a])
-    far, along = length(d), np.abs(d[np.arange(len(d)), axis])
+    far, along = length(d), np.abs(dot(d, links.n))
     turned = known & (along < (1 - 1e-12) * far)
     links.n[turned] = d[turned] / far[turned, None]
     new = known & np.isnan(links.depth)
@@ -355,6 +386,7 @@ _Fix = tuple[Integers, Floats, "Floats | None"]
 def _find_fix(w: Work, side: int) -> _Fix | None:
     """What the columns f_ID[1] ... f_ID[7] say of a wall: touches, force, point."""
     role = SIDES[side]
+    role = w.side_name(-1 - side) if w.side_name(-1 - side) in w.roles.named else role
     names = (w.roles.named[role][0],) if role in w.roles.named else _USUAL[side]
     for name in names:
         columns = [w.grains.column(f"{name}[{k}]") for k in range(1, 8)]
@@ -370,7 +402,7 @@ def _find_fix(w: Work, side: int) -> _Fix | None:
 def _place_wall(w: Work, point: Floats | None, side: int) -> None:
     """Takes the position of a wall from its points of contact, if these lie in a plane, and moves the box to it."""
     axis, far = w.axis_of(-1 - side), side % 2
-    if point is None or len(point) == 0 or w.o.given(SIDES[side], w.size_key(axis)):
+    if point is None or len(point) == 0 or w.cell == "ring" or w.o.given(SIDES[side], w.size_key(axis)):
         return
     low, high = float((point[:, axis] * w.scale).min()), float((point[:, axis] * w.scale).max())
     if high - low > 1e-6:
@@ -426,20 +458,66 @@ def _balance(w: Work) -> None:
     if not w.has_forces:
         raise bad_option(f"--walls balance: {w.path} has no forces; must have them")
     mean = running_sum(w.links.fn / len(w.links))
-    old = w.links
-    lack = sum_over(old.i, old.j, w.n, np.where(np.isfinite(old.ft), old.ft, 0) - old.fn[:, None] * old.n)
+    old, lack = w.links, _lack(w)
     size = length(lack)
     pushed = size > 0.05 * mean
+    if w.cell == "ring" and not w.boundary.any():  # the file does not mark them
+        level = w.ring_of(w.x)[1]
+        w.boundary = np.minimum(level, w.edge[1] - level) < 1.5 * w.r
     grain = np.flatnonzero(pushed & w.boundary)
-    axis = _largest_axis(w, lack[grain])
-    along = lack[grain, axis]
-    aside = np.abs(along) < 0.5 * size[grain]
-    grain, axis, along = grain[~aside], axis[~aside], along[~aside]  # the others push it up: what holds it is above
-    links = links_of(grain, [w.wall_on(a, value) for a, value in zip(axis.tolist(), along.tolist())])
-    links.fn, links.n, links.ft = size[grain], lack[grain] / size[grain, None], np.zeros((len(grain), 3))
+    links, aside = (_of_ring if w.cell == "ring" else _of_flat)(w, grain, lack[grain])
     w.links = joined(old, links)
-    if aside.any():
-        w.note(f"{int(aside.sum())} boundary grains are pushed from the side: this force is left out")
+    if aside > 0:
+        w.note(f"{aside} boundary grains are pushed from the side: this force is left out")
     inner = int((pushed & ~w.boundary).sum())
     if inner > 0:
         w.note(f"{inner} grains that are not marked as boundary lack more than 5% of the mean force")
+
+
+def _lack(w: Work) -> Floats:
+    """The net force of the contacts on each grain [n][3], which something else must balance."""
+    c = w.links
+    return sum_over(c.i, c.j, w.n, np.where(np.isfinite(c.ft), c.ft, 0) - c.fn[:, None] * c.n)
+
+
+def _balanced(w: Work, walls: Links) -> Links:
+    """Contacts with walls of which the file has no forces: with those that balance the grains at them, if all others
+    are in balance."""
+    lack, mean = _lack(w), running_sum(w.links.fn / max(1, len(w.links)))
+    if w.gravity != 0:
+        lack[:, w.up] -= w.gravity * (sphere_mass(w.r) if w.mass is None else w.mass)
+    here = np.bincount(walls.i, minlength=w.n)
+    held = (here == 0) & (np.bincount(w.links.i, minlength=w.n) + np.bincount(w.links.j[w.links.j >= 0], minlength=w.n) > 1)
+    moved = float(np.median(length(lack[held]))) / mean if held.any() else math.inf
+    if not moved < 0.05:
+        w.note(f"grains away from walls lack {moved:.2g} of the mean force: no balance tells the forces of walls")
+        return walls[walls.depth > 0]
+    push = dot(lack[walls.i], walls.n)
+    told = push > 1e-4 * mean
+    walls.fn = np.where(told, push, NAN)
+    alone = told & (here[walls.i] == 1)
+    walls.ft[alone] = push[alone, None] * walls.n[alone] - lack[walls.i[alone]]
+    w.balanced = bool(told.any())
+    if w.balanced:
+        w.note(f"{int(told.sum())} forces of walls are not in the file: from the balance of the grains at them")
+    return walls[told | (walls.depth > 0)]
+
+
+def _of_flat(w: Work, grain: Integers, lack: Floats) -> tuple[Links, int]:
+    """Contacts of grains with the walls to which their contacts push them, and how many are pushed to the side."""
+    axis, size = _largest_axis(w, lack), length(lack)
+    along = lack[np.arange(len(lack)), axis]
+    to = np.abs(along) >= 0.5 * size
+    links = links_of(grain[to], [w.wall_on(a, value) for a, value in zip(axis[to].tolist(), along[to].tolist())])
+    links.fn, links.n, links.ft = size[to], lack[to] / size[to, None], np.zeros((len(links), 3))
+    return links, int((~to).sum())
+
+
+def _of_ring(w: Work, grain: Integers, lack: Floats) -> tuple[Links, int]:
+    """The same with the nearer ring, along its normals."""
+    links = links_of(grain, np.where(w.ring_of(w.x[grain])[1] > 0.5 * w.edge[1], -2, -1))
+    w.place_links(links)
+    links.fn = dot(lack, links.n)
+    links.ft = links.fn[:, None] * links.n - lack
+    to = links.fn >= 0.5 * length(lack)
+    return links[to], int((~to).sum())

@@ -143,6 +143,7 @@ export class Panel {
     const { cell, tilt = [0, 0, 0] } = packing;
     if (cell === 'periodic') words.push('periodic along all axes');
     if (cell === 'box') words.push('walls on all sides');
+    if (cell === 'ring') words.push('between two rings; the width is that of the outer one');
     if (tilt.some((step) => step !== 0)) {
       const steps = packing.dimension === 2 ? tilt.slice(0, 1) : tilt;
       words.push(`tilted by ${steps.map((step) => units.text(step, 'length')).join(', ')}`);
