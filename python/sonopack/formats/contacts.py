@@ -461,9 +461,12 @@ def _balance(w: Work) -> None:
     old, lack = w.links, _lack(w)
     size = length(lack)
     pushed = size > 0.05 * mean
-    if w.cell == "ring" and not w.boundary.any():  # the file does not mark them
+    if w.cell == "ring":
         level = w.ring_of(w.x)[1]
-        w.boundary = np.minimum(level, w.edge[1] - level) < 1.5 * w.r
+        if not w.boundary.any():  # the file does not mark them
+            w.boundary = np.minimum(level, w.edge[1] - level) < 1.5 * w.r
+        others = size[~w.boundary]
+        pushed = size > min(0.05 * mean, 5 * float(np.median(others)) if len(others) else math.inf)  # beyond their noise
     grain = np.flatnonzero(pushed & w.boundary)
     links, aside = (_of_ring if w.cell == "ring" else _of_flat)(w, grain, lack[grain])
     w.links = joined(old, links)

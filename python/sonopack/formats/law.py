@@ -158,7 +158,7 @@ def _compare(w: Work, at_walls: bool, wall: str) -> _Comparison:
     links = w.links
     mean = running_sum(np.where(np.isnan(links.fn), 0, links.fn / max(1, len(links))))
     overlap = known_overlap(links)
-    known = ~np.isnan(overlap) & (np.abs(overlap) > 1000 * w.place)
+    known = ~np.isnan(overlap) & (np.abs(overlap) > (10 if at_walls and w.balanced else 1000) * w.place)
     taken = ((links.j < 0) == at_walls) & (links.fn > 0.01 * mean) & known
     if not taken.any():
         return _Comparison()
@@ -210,11 +210,12 @@ def _choose_wall(w: Work) -> None:
             w.wall = kind
             w.note(f"walls: {kind}, by their forces and overlaps")
             return
-    nearest = min(WALLS, key=lambda kind: abs(_compare(w, True, kind).median - 1)) if c.count > 0 and w.balanced else ""
-    if nearest and abs(_compare(w, True, nearest).median - 1) < 0.1:
-        w.wall, c = nearest, _compare(w, True, nearest)
-        w.note(f"walls: {nearest}; their forces are {c.low:.4g} .. {c.high:.4g} times Hertz's at the overlaps")
-        return
+    if c.count > 0 and w.balanced:  # not as exact as forces of a file
+        c, kind = min(((_compare(w, True, kind), kind) for kind in WALLS), key=lambda found: abs(found[0].median - 1))
+        if abs(c.median - 1) < 0.1:
+            w.wall = kind
+            w.note(f"walls: {kind}; their forces are {c.low:.4g} .. {c.high:.4g} times Hertz's at the overlaps")
+            return
     c = _compare(w, True, "elastic")
     if c.count > 0 and c.spread > 0.02 and not w.balanced:
         raise refused(f"{w.path}: normal forces of walls are {c.low:.4g} .. {c.high:.4g} times Hertz's at the "
