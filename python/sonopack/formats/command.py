@@ -43,9 +43,9 @@ With IN, OUT and both tables the packing is written in both forms. IN may also b
 Yade or MercuryDPM, extended XYZ, or a table; its contacts are then in --contacts FILE or, with --contacts
 overlap, found by overlap:
   sonopack convert grains.dump P.h5 --contacts contacts.dump --set friction=0.5
---set then takes dimension, up, cell (piston, periodic or box: that of the file), sides, across, width, depth,
-bottom, top, height, left, right, front, back, xy, xz, yz, gravity, pressure, friction, poisson, wall, digits,
-first_id (docs/formats.md). For our own tables: box and material are in comment lines `# key = value' or in
+--set then takes dimension, up, cell (piston, periodic, box or ring: that of the file), sides, across, width,
+depth, bottom, top, height, left, right, front, back, inner, outer, x0, y0, xy, xz, yz, gravity, pressure,
+friction, poisson, wall, wall_modulus, wall_kn, digits, first_id (docs/formats.md). For our own tables: box and material are in comment lines `# key = value' or in
 --set key=value: width, depth (3D), height, cell, xy, xz, yz, gravity, pressure, friction, poisson, wall,
 material, seed. Lengths are in mean grain diameters, pressures in E*.
 
