@@ -139,6 +139,8 @@ class Packing(_core.Drawn, _fields.Packing):
                                        "dimension")
         if cell not in ("piston", "periodic", "box", "ring"):
             raise _core.invalid("cell", f"is {cell!r}: must be 'piston', 'periodic', 'box' or 'ring'")
+        if cell == "ring" and dim != 2:
+            raise _core.invalid("cell", f"is 'ring' in {dim} dimensions: must have 2")
         if len(tilt) != 3:
             raise _core.invalid("tilt", f"has {len(tilt)} numbers: must be xy, xz and yz")
         shape = _Cell(cell, [float(edge) for edge in box], [float(step) for step in tilt])

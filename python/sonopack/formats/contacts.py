@@ -461,18 +461,20 @@ def _balance(w: Work) -> None:
     old, lack = w.links, _lack(w)
     size = length(lack)
     pushed = size > 0.05 * mean
-    if w.cell == "ring":
-        level = w.ring_of(w.x)[1]
+    known = w.balanced = w.cell == "ring" or all(w.has_wall[side] for side in w.sides)
+    if known:
         if not w.boundary.any():  # the file does not mark them
-            w.boundary = np.minimum(level, w.edge[1] - level) < 1.5 * w.r
+            gaps = [w.wall_gap(links_of(np.arange(w.n), np.full(w.n, -1 - side))) for side in w.sides]
+            w.boundary = np.min(gaps, axis=0) < 1.5 * w.r
         others = size[~w.boundary]
         pushed = size > min(0.05 * mean, 5 * float(np.median(others)) if len(others) else math.inf)  # beyond their noise
     grain = np.flatnonzero(pushed & w.boundary)
-    links, aside = (_of_ring if w.cell == "ring" else _of_flat)(w, grain, lack[grain])
+    links, aside = (_of_known if known else _of_flat)(w, grain, lack[grain])
     w.links = joined(old, links)
     if aside > 0:
-        w.note(f"{aside} boundary grains are pushed from the side: this force is left out")
-    inner = int((pushed & ~w.boundary).sum())
+        why = "not pushed by a wall beside them" if known else "pushed from the side"
+        w.note(f"{aside} boundary grains are {why}: this force is left out")
+    inner = int(((size > 0.05 * mean) & ~w.boundary).sum())
     if inner > 0:
         w.note(f"{inner} grains that are not marked as boundary lack more than 5% of the mean force")
 
@@ -516,11 +518,21 @@ def _of_flat(w: Work, grain: Integers, lack: Floats) -> tuple[Links, int]:
     return links, int((~to).sum())
 
 
-def _of_ring(w: Work, grain: Integers, lack: Floats) -> tuple[Links, int]:
-    """The same with the nearer ring, along its normals."""
-    links = links_of(grain, np.where(w.ring_of(w.x[grain])[1] > 0.5 * w.edge[1], -2, -1))
-    w.place_links(links)
-    links.fn = dot(lack, links.n)
-    links.ft = links.fn[:, None] * links.n - lack
-    to = links.fn >= 0.5 * length(lack)
-    return links[to], int((~to).sum())
+def _of_known(w: Work, grain: Integers, lack: Floats) -> tuple[Links, int]:
+    """The same with walls that are known, along their normals: the nearest, and a second one in a corner where the places
+    say so or friction at the first is too weak. The rest is tangential, but with two."""
+    out, r, slips = links_of([], []), w.r[grain], np.zeros(len(grain), bool)
+    every = [links_of(grain, np.full(len(grain), -1 - side)) for side in w.sides]
+    gaps = np.array([w.wall_gap(links) for links in every])
+    for second in (False, True):
+        for links, gap in zip(every, gaps):
+            w.place_links(links)
+            links.fn = dot(lack, links.n)
+            links.ft = links.fn[:, None] * links.n - lack
+            nearest = gap == gaps.min(axis=0)
+            beside = ~nearest & ((gap < r) | (gap < 1.1 * r) & slips) if second else nearest & (gap < 2 * r)
+            slips |= nearest & (length(links.ft) > w.o.number("friction") * links.fn)
+            out = joined(out, links[beside & (links.fn > 0)])
+    to = np.bincount(out.i, out.fn**2, w.n)[grain] >= 0.25 * dot(lack, lack)
+    out.ft[np.bincount(out.i, minlength=w.n)[out.i] > 1] = 0
+    return out[np.isin(out.i, grain[to])], int((~to).sum())

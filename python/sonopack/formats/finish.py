@@ -297,8 +297,8 @@ def _remark_friction(w: Work, pressure: float) -> None:
 
 
 def _remark_walls(w: Work) -> None:
-    for side, key in enumerate(SIDES):
-        if w.has_side(-1 - side) and not (w.links.j == -1 - side).any():
+    for side in w.sides:
+        if not (w.links.j == -1 - side).any():
             key = w.side_name(-1 - side)
             name = ("lower", "upper")[side] if side < 2 and w.cell != "ring" else key
             w.note(f"no grain touches the {name} wall" + ("" if w.cut else f"; --set {key}=PLACE moves it"))

@@ -185,7 +185,7 @@ def find_cell(w: Work) -> None:
 # ---- which kind -----------------------------------------------------------------------------------------------------
 
 def _choose(w: Work) -> str:
-    if w.o.given(*RINGS):
+    if w.o.given(*RINGS, "x0", "y0", "z0"):
         return "ring"
     if w.o.given("left", "right", "front", "back"):
         return "box"
@@ -359,6 +359,8 @@ def _find_ring(w: Work) -> None:
         raise bad_option(" = ring: the grains do not lie in one plane; must be a layer", "cell")
     keys = [f"{w.name_of(a)}0" for a in range(2)]
     given = [w.o.number(key) * w.scale for key in keys]
+    if w.o.given("x0", "y0", "z0") and not np.isfinite(given).all():
+        raise bad_option(f"the centre of a ring: must be given by --set {keys[0]}= and --set {keys[1]}=, or by neither")
     centre = np.array(given) if np.isfinite(given).all() else _middle(w)
     away = np.hypot(*(w.x[:, :2] - centre).T)
     inner, outer = (w.o.number(key) * w.scale for key in RINGS)

@@ -226,6 +226,11 @@ class Work:
             return False
         return wall >= -2 or (self.cell == "box" and self.axis_of(wall) < self.up)
 
+    @property
+    def sides(self) -> list[int]:
+        """Those walls of SIDES that the cell has."""
+        return [side for side in range(2 * self.dim) if self.has_side(-1 - side)]
+
     def size_key(self, axis: int) -> str:
         """The key of the edge along an axis."""
         return "height" if axis == self.up else "width" if axis == 0 else "depth"

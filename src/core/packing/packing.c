@@ -83,10 +83,11 @@ static sp_status check_cell(const sp_packing *p, sp_error *err) {
     if (p->cell < SP_CELL_PISTON || p->cell > SP_CELL_RING)
         return sp_fail(err, SP_EFORMAT, "cell %d: must be 0 (piston), 1 (periodic), 2 (box) or 3 (ring)", (int)p->cell);
     if (p->cell == SP_CELL_RING && !(p->dim == 2 && p->box[1] < 0.5 * p->box[0] && p->gravity == 0))
-        return sp_fail(err, SP_EFORMAT,
-                       "a ring of %d dimensions, %g between walls of which the outer has the diameter %g, gravity %g: "
-                       "must be 2 dimensions, less than the radius, and 0",
-                       p->dim, p->box[1], p->box[0], p->gravity);
+        return sp_fail(
+            err, SP_EFORMAT,
+            "ring: dimension %d, %g between walls of which the outer has the diameter %g, gravity %g: must be "
+            "2, less than half of the diameter, and 0",
+            p->dim, p->box[1], p->box[0], p->gravity);
     for (int k = 0; k < 3; k++) {
         const bool tilted = p->cell == SP_CELL_PERIODIC && of[k] < p->dim;
         if (!(fabs(p->tilt[k]) <= (tilted ? 0.5 * p->box[along[k]] * (1 + 1e-12) : 0)))

@@ -246,6 +246,25 @@ def test_unlisted_walls(piston, tmp_path, digits, close):
     assert "from the balance of the grains at them" in "\n".join(p.report.lines("it"))
 
 
+def test_frames_with_known_walls(tmp_path):
+    """Experiments mark grains at the boundary and list no wall; forces come back with friction, but in corners."""
+    p = Packing.make(Scene(packing={"cell": "box", "grains": 60, "seed": 2}))
+    c = p.contacts[p.contacts["j"] >= 0]
+    edge = set(p.contacts["i"][p.contacts["j"] < 0].tolist())
+    (tmp_path / "g.csv").write_text("id,x,y,radius,boundary\n" + "".join(
+        f"{k},{x!r},{y!r},{r!r},{int(k in edge)}\n" for k, ((x, y, _), r) in enumerate(zip(p.x.tolist(), p.r.tolist()))))
+    (tmp_path / "c.csv").write_text("id1,id2,fn,ft_x,ft_y\n" + "".join(
+        f"{k['i']},{k['j']},{float(k['fn'])!r},{float(k['ft'][0])!r},{float(k['ft'][1])!r}\n" for k in c))
+    q = Packing.read(tmp_path / "g.csv", contacts=tmp_path / "c.csv", walls="balance", friction=p.friction, cell="box",
+                     left=0, right=p.box[0], bottom=0, top=p.box[1])
+    assert q.wall == "rigid" and q.pressure == pytest.approx(p.pressure, rel=0.01)  # friction in corners is not known
+    own, found = ({(int(k["i"]), int(k["j"])): k for k in one.contacts if k["j"] < 0} for one in (p, q))
+    corner = [i for i in edge if sum(key[0] == i for key in own) > 1]
+    alone = [key for key in found if key[0] not in corner]
+    assert set(found) <= set(own) and len(alone) > 0.8 * len(own)
+    assert all(np.allclose(found[key][name], own[key][name], atol=1e-5 * p.pressure) for key in alone for name in ("n", "fn", "ft"))
+
+
 @pytest.mark.parametrize("modulus", [0.25, 1.0, 1e9])
 def test_walls_of_a_modulus(piston, tmp_path, modulus):
     """1/E12 = 1/E1 + 1/E2: as rigid at infinity, elastic at 1."""
@@ -323,6 +342,9 @@ def test_refused_by_the_engine(ring, case):
     ({"walls": "balance", "cell": "ring", **KNOWN, "inner": 1200.0}, "inner = 1200: must be above 0 and below"),
     ({"walls": "overlap", "cell": "ring"}, "of a ring inner, outer, x0, y0"),
     ({"cell": "ring", "wall_modulus": 1.0}, "wall_kn where --kn is given"),
+    ({"walls": "balance", "x0": 1500.0}, "must be given by --set x0= and --set y0=, or by neither"),
+    ({"cell": "ring", "gravity": 9.81}, "ring: dimension 2, 7.* gravity"),
+    ({"cell": "ring", "rest": True}, "--rest: grains come to rest under a piston"),
     ({"walls": "balance", "cell": "ring", "inner": -1.0}, "inner = '-1.0': must be a finite number >= 0"),
 ])
 def test_refused_imports(annulus, tmp_path, more, words):
