@@ -51,7 +51,7 @@ add_custom_command(OUTPUT ${native}/compiled
 add_custom_target(sonopack_python_modules ALL DEPENDS ${native}/compiled)
 
 # The commands that the package runs: beside the command in the build folder, in libexec of an installation.
-set(SONOPACK_PROGRAMS plot view convert reproduce trace bench pack-lammps modes-slepc moduli-petsc signal-petsc save-table)
+set(SONOPACK_PROGRAMS plot view convert reproduce trace bench demo pack-lammps modes-slepc moduli-petsc signal-petsc save-table)
 set(libexec ${CMAKE_INSTALL_LIBEXECDIR}/sonopack)
 foreach(program ${SONOPACK_PROGRAMS})
   set(program_to_package python)

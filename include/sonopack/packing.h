@@ -31,6 +31,7 @@ typedef struct sp_contact {
     double ft[3];   /* tangential elastic force on i [E* d^2] */
     double kn, kt;  /* normal stiffness; tangential stiffness, where they are measured or belong to another law.
                        Both 0: Hertz's and Mindlin's at this overlap [E* d] */
+    double mu;      /* Coulomb's coefficient, where it is not that of the packing; 0: that of the packing */
 } sp_contact;
 
 /* Contact law at the walls. RIGID: a rigid plane (Hertz with R = inf and E* of one grain). GRAIN: the wall responds
@@ -68,6 +69,7 @@ typedef struct sp_packing {
     double *r;            /* [n] radii [d] */
     double *mass;         /* [n] masses [rho d^3], or NULL: spheres of unit density. Both or neither: */
     double *inertia;      /* [n] moments of inertia [rho d^5] */
+    int32_t *species;     /* [n] material of each grain, from 0 (sp_types), or NULL: one material */
     sp_contact *contacts; /* [n_contacts] sorted: pairs by (i, j), then the walls in the order of SP_BOTTOM .. SP_BACK,
                              each by i */
     sp_cell cell;         /* what bounds the grains */
@@ -96,6 +98,8 @@ SP_API sp_status sp_packing_alloc(sp_packing *p, int dim, int32_t n, int32_t n_c
 SP_API void sp_packing_free(sp_packing *p);
 /* Allocates mass and inertia, filled in as of spheres of unit density. SP_ENOMEM. */
 SP_API sp_status sp_packing_alloc_masses(sp_packing *p, sp_error *err);
+/* Allocates species, all 0. SP_ENOMEM. */
+SP_API sp_status sp_packing_alloc_species(sp_packing *p, sp_error *err);
 
 /* Sorts the contacts into the order of sp_packing.contacts. */
 SP_API void sp_packing_sort(sp_packing *p);
@@ -201,7 +205,13 @@ typedef enum sp_pack_kind {
 } sp_pack_kind;
 
 /* Distributions of the diameters; see docs/physics.md. */
-typedef enum sp_sizes { SP_SIZES_UNIFORM = 0, SP_SIZES_BIDISPERSE, SP_SIZES_LOGNORMAL, SP_SIZES_LIST } sp_sizes;
+typedef enum sp_sizes {
+    SP_SIZES_UNIFORM = 0,
+    SP_SIZES_BIDISPERSE,
+    SP_SIZES_LOGNORMAL,
+    SP_SIZES_LIST,
+    SP_SIZES_TYPES
+} sp_sizes;
 enum { SP_DIAMETERS_MAX = 1000000 }; /* most entries of a list of diameters */
 enum { SP_HISTORY_MAX = 1000 };      /* most pressures of a history */
 
@@ -226,6 +236,22 @@ typedef enum sp_protocol {
  * docs/physics.md, Loading history); in 2D only. */
 typedef enum sp_tangential { SP_TANGENTIAL_CONSTANT = 0, SP_TANGENTIAL_HISTORY } sp_tangential;
 
+/* What decides masses and moments of inertia: balls, or in two dimensions disks of thickness d. */
+typedef enum sp_shape { SP_SHAPE_SPHERE = 0, SP_SHAPE_DISK } sp_shape;
+
+/* Grains of several materials, which are mixed at random: lists of a number for each, or NULL for those of one
+ * material. Of two grains 1/E12 = 1/E1* + 1/E2*, and Mindlin's stiffness has 1/G12 = (2 - nu1)/G1 + (2 - nu2)/G2. */
+enum { SP_TYPES_MAX = 8 };
+typedef struct sp_types {
+    const double *fraction; /* of the number of grains; their sum is 1 */
+    const double *diameter; /* [d]; for SP_SIZES_TYPES */
+    const double *modulus;  /* E* of each, in the unit E*; NULL: 1 */
+    const double *poisson;  /* NULL: that of the spec */
+    const double *density;  /* [rho]; NULL: 1 */
+    const double *friction; /* of pairs 11, 12, .., 22, ..; walls: of a grain and its like. NULL: that of the spec */
+    int32_t fractions, diameters, moduli, poissons, densities, frictions; /* lengths of the lists */
+} sp_types;
+
 /* Components of the cell that a strain path leaves out. FIXED: they do not strain. STRESS: they hold their stress. */
 typedef enum sp_lateral { SP_LATERAL_FIXED = 0, SP_LATERAL_STRESS } sp_lateral;
 
@@ -242,6 +268,8 @@ typedef struct sp_pack_spec {
     double pressure; /* [E*]; with a stress its mean normal stress, or the default */
     double friction; /* Coulomb coefficient mu */
     double poisson;  /* Poisson's ratio nu */
+    sp_types types;  /* none: one material */
+    sp_shape shape;
     sp_sizes sizes;
     double diameter_min, diameter_max; /* limits of the distribution [d]; both 0: its default, which for uniform is 0.8
                                           .. 1.2 under the piston and 1 in ordered packings */

@@ -31,7 +31,7 @@ STOPS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)  # signals that end a com
 #: the module of each command
 MODULES = {"plot": "plot.command", "view": "view.command", "convert": "formats.command", "reproduce": "papers.command", "trace": "traces.command",
            "pack-lammps": "formats.engine", "modes-slepc": "engines.modes", "moduli-petsc": "engines.moduli",
-           "signal-petsc": "engines.signals", "bench": "bench", "save-table": "formats.tables"}
+           "signal-petsc": "engines.signals", "bench": "bench", "demo": "demo", "save-table": "formats.tables"}
 
 #: which Debian package brings a module
 DEBIAN = {"matplotlib": "python3-matplotlib", "pandas": "python3-pandas", "scipy": "python3-scipy", "h5py": "python3-h5py",

@@ -113,7 +113,7 @@ class Packing(_core.Drawn, _fields.Packing):
                     *, box: Sequence[float], pressure: float, friction: float, poisson: float = 0.0, wall: str = "rigid",
                     mass: npt.ArrayLike | None = None, inertia: npt.ArrayLike | None = None,
                     material: Material | None = None, cell: str = "piston", tilt: Sequence[float] = (0.0, 0.0, 0.0),
-                    gravity: float = 0.0) -> Packing:
+                    gravity: float = 0.0, species: npt.ArrayLike | None = None) -> Packing:
         """A packing from arrays, which are copied and checked (InvalidInput names the first fault).
 
         x [n][dim] centres and r [n] radii [d]; columns of x beyond the lengths of box must be 0. box: the edges, the
@@ -125,7 +125,8 @@ class Packing(_core.Drawn, _fields.Packing):
         [contacts][dim], overlap, fn, and ft on i [contacts][dim] (or scalars in 2D: ft (-ny, nx)). What is left out
         follows: n from the positions, overlap and fn from each other by Hertz's law or from the positions; ft is 0.
         Stiffnesses kn, kt of contacts of another law, and mass and inertia [n] of grains that are no spheres of unit
-        density, make a linear network.
+        density, make a linear network; mu is Coulomb's coefficient of a contact where it is not friction. species [n]:
+        materials of the grains.
         """
         radii = _core.floats(r, "r")
         places = _core.floats(x, "x")
@@ -157,7 +158,7 @@ class Packing(_core.Drawn, _fields.Packing):
         for axis in range(3):
             out.box[axis] = box[axis] if axis < dim else 1
             out.tilt[axis] = tilt[axis]
-        _set_masses(out, mass, inertia)
+        _set_masses(out, mass, inertia, species)
         if material is not None:
             _set_material(out, material)
             call(lib.sp_material_check, ffi.addressof(out, "material"))
@@ -218,14 +219,14 @@ class Packing(_core.Drawn, _fields.Packing):
         table["i"][turned], table["j"][turned] = table["j"][turned], table["i"][turned]
         table["n"][turned] *= -1
         table["ft"][turned] *= -1
-        mass, inertia, along = self.mass, self.inertia, (*times, 1, 1)
+        mass, inertia, species = (None if of is None else np.tile(of, copies) for of in self._masses())
+        along = (*times, 1, 1)
         xy, xz, yz = self.tilt
         return Packing.from_arrays(
             x, np.tile(self.r, copies), table, box=[edge * count for edge, count in zip(self.box, times)],
             pressure=self.pressure, friction=self.friction, poisson=self.poisson, wall=self.wall, cell=self.cell,
             tilt=(xy * along[1], xz * along[2], yz * along[2]),
-            mass=None if mass is None else np.tile(mass, copies),
-            inertia=None if inertia is None else np.tile(inertia, copies), gravity=self.gravity,
+            mass=mass, inertia=inertia, species=species, gravity=self.gravity,
             material=self._known_material() if self._c.material.young > 0 else None)
 
     def of_material(self, material: Material) -> Packing:
@@ -246,6 +247,14 @@ class Packing(_core.Drawn, _fields.Packing):
     def tilt(self) -> tuple[float, float, float]:
         """xy, xz and yz of the lattice vectors (box[0], 0, 0), (xy, box[1], 0), (xz, yz, box[2]) of a periodic cell [d]."""
         return self._c.tilt[0], self._c.tilt[1], self._c.tilt[2]
+
+    @property
+    def species(self) -> npt.NDArray[np.int32] | None:
+        """Material of each grain [n], from 0; None for one material."""
+        return None if self._c.species == ffi.NULL else _core.view(self._c, self._c.species, (self.n,))
+
+    def _masses(self) -> tuple[Any, Any, Any]:
+        return self.mass, self.inertia, self.species
 
     @property
     def mass(self) -> Floats | None:
@@ -369,7 +378,7 @@ class Packing(_core.Drawn, _fields.Packing):
     def __reduce__(self) -> tuple[Any, ...]:
         values = {name: getattr(self, name)
                   for name in ("cell", "gravity", "pressure", "friction", "poisson", "wall", "seed", "steps", "residual", "seconds")}
-        masses = (None, None) if self.mass is None else (np.array(self.mass), np.array(self.inertia))
+        masses = tuple(None if of is None else np.array(of) for of in self._masses())
         return _restored, (self.dim, np.array(self.x), np.array(self.r), np.array(self.contacts), masses,
                            list(self._c.box) + list(self._c.tilt), self.material, values, self.scene)
 
@@ -386,7 +395,14 @@ def _fill(out: Any, x: npt.NDArray[Any], r: npt.NDArray[Any], contacts: npt.NDAr
     ffi.memmove(out.contacts, np.ascontiguousarray(contacts), contacts.nbytes)
 
 
-def _set_masses(out: Any, mass: npt.ArrayLike | None, inertia: npt.ArrayLike | None) -> None:
+def _set_masses(out: Any, mass: npt.ArrayLike | None, inertia: npt.ArrayLike | None,
+                species: npt.ArrayLike | None = None) -> None:
+    if species is not None:
+        whole = np.ascontiguousarray(species, np.int32)
+        if whole.shape != (out.n,):
+            raise _core.invalid("species", f"has the shape {whole.shape}: must be one number for each grain")
+        call(lib.sp_packing_alloc_species, out)
+        ffi.memmove(out.species, whole, whole.nbytes)
     if mass is None and inertia is None:
         return
     call(lib.sp_packing_alloc_masses, out)
@@ -399,7 +415,7 @@ def _set_material(out: Any, material: Material) -> None:
     _core.set_fields(out.material, dataclasses.asdict(material))
 
 
-def _restored(dim: int, x: Any, r: Any, contacts: Any, masses: tuple[Any, Any], box: list[float], material: Material,
+def _restored(dim: int, x: Any, r: Any, contacts: Any, masses: tuple[Any, ...], box: list[float], material: Material,
               values: dict[str, Any], scene: str) -> Packing:
     out = _none()
     call(lib.sp_packing_alloc, out, dim, len(r), len(contacts))

@@ -42,6 +42,7 @@ static const cli_command_row commands[] = {
     {"design", cmd_design, &cmd_design_syntax, "which grains to change so that a front is late, or a band is left out"},
     {"study", cmd_study, &cmd_study_syntax, "compute an ensemble of packings and their results; can be interrupted"},
     {"table", cmd_table, &cmd_table_syntax, "tables of a finished or running study"},
+    {"demo", cmd_dispatch, NULL, "make a packing, a signal and a page in some seconds, and show the commands"},
     {"reproduce", cmd_dispatch, NULL, "compare the results of a paper with our own"},
     {"column", cmd_column, &cmd_column_syntax, "tapped column of particles, discrete and as a continuum"},
     {"trace", cmd_dispatch, NULL, "arrivals, speeds and spectra of measured traces, with errors from their noise"},

@@ -12,9 +12,9 @@ from command import COMMAND, SOURCE, main, run, sets
 from common import PATIENCE, expect
 
 # of the Python package: they have completions of their own
-PYTHON = set("plot view convert reproduce trace".split())
+PYTHON = set("plot view convert reproduce trace demo".split())
 # keys whose examples contradict those of others
-ALONE = tuple(f"packing.{key}=" for key in ("kind", "compression", "height", "tangential"))
+ALONE = tuple(f"packing.{key}=" for key in ("kind", "compression", "height", "tangential", "shape"))
 
 
 @functools.cache
@@ -63,7 +63,7 @@ def manual():
     expect(named <= known | {"--version"}, f"the manual page names {named - known}, which no command has")
     versions = {re.search(pattern, (SOURCE / name).read_text(), re.M).group(1) for name, pattern in (
         ("include/sonopack/version.h", r'SONOPACK_VERSION "([^"]+)"'), ("CHANGELOG.md", r"^## (\d\S+)"),
-        ("CITATION.cff", r"^version: \"?([^\"\s]+)"), ("docs/man/sonopack.1", r'"sonopack ([^"]+)"'))}
+        ("CITATION.cff", r"^version: \"?([^\"\s]+)"), ("packaging/conda/meta.yaml", r'set version = "([^"]+)"'), ("docs/man/sonopack.1", r'"sonopack ([^"]+)"'))}
     assert versions == {output("--version").split()[-1]}, versions
 
 

@@ -63,7 +63,19 @@ typedef struct conditions {
     double friction, viscous_limit, dt;
     bool history; /* of contacts (mindlin.h) */
     double lag;
+    bool mixed; /* three materials, of which one pair is smooth */
 } conditions;
+
+static const sp_types MATERIALS = {.fraction = (const double[]){0.4, 0.3, 0.3},
+                                   .modulus = (const double[]){1, 0.2, 5},
+                                   .poisson = (const double[]){0.3, 0, 0.45},
+                                   .density = (const double[]){1, 0.3, 7},
+                                   .friction = (const double[]){0.1, 0.5, 0, 0.2, 0.4, 0.3},
+                                   .fractions = 3,
+                                   .moduli = 3,
+                                   .poissons = 3,
+                                   .densities = 3,
+                                   .frictions = 6};
 
 static double separation(const dynamics *d, int32_t i, int32_t j) {
     const double *g = dynamics_grain(d, i), *h = dynamics_grain(d, j);
@@ -91,9 +103,14 @@ static dynamics make_moving(const dense *from, const conditions *c, bool plain) 
     spec.reference = plain;
     spec.tangential = c->history ? SP_TANGENTIAL_HISTORY : SP_TANGENTIAL_CONSTANT;
     spec.width = from->p.box[0];
+    if (c->mixed)
+        spec.types = MATERIALS;
     assert_ok(sp_dynamics_make(&spec, from->p.r, from->p.x, sp_packing_height(&from->p), &d, &err));
     d.v_max = 0.01; /* lists with many open pairs */
     d.dt = 5;
+    for (int32_t i = 0; i < d.n; i++)
+        dynamics_grain(&d, i)[d.at.type] = c->mixed ? i % 3 : 0;
+    sp_dynamics_set_types(&d, &spec, NULL);
     assert_ok(sp_neighbours_refresh(&d, &err));
     for (int32_t i = 0; i < d.n; i++) {
         double *g = dynamics_grain(&d, i);
@@ -199,7 +216,7 @@ static void assert_same_motion(dynamics *fast, dynamics *plain, double dt) {
 TEST(test_kernel_equals_plain) {
     const double friction[] = {0, 0.5, 1e6}, limit[] = {1, 1e6}, dt[] = {0, 0.01, 0.3, 1};
     for (int k = 0; k < 4 * 3 * 2 * 4; k++) {
-        const conditions c = {friction[k / 8 % 3], limit[k / 4 % 2], dt[k % 4], false, 0};
+        const conditions c = {friction[k / 8 % 3], limit[k / 4 % 2], dt[k % 4], .mixed = k / 8 % 3 == 1};
         dynamics fast = make_moving(&states[k / 24], &c, false), plain = make_moving(&states[k / 24], &c, true);
         if (k % 3 == 0) /* sides that shrink */
             for (int a = 0; a < fast.dim - 1; a++)
@@ -218,7 +235,7 @@ TEST(test_kernel_equals_plain) {
 /* The same with the history of contacts, over steps back and forth, so that contacts remember reversals. */
 TEST(test_history_equals_plain) {
     for (int k = 0; k < 4; k++) {
-        const conditions c = {0.5, k / 2 ? 1 : 1e6, 0.1, true, 0};
+        const conditions c = {0.5, k / 2 ? 1 : 1e6, 0.1, .history = true};
         dynamics fast = make_moving(&states[k % 2], &c, false), plain = make_moving(&states[k % 2], &c, true);
         double turns = 0;
         for (int step = 0; step < 6; step++) {
@@ -297,7 +314,7 @@ static double rate_of(const dynamics *d, int32_t i) {
 TEST(test_rate) {
     for (int k = 0; k < 4; k += 2)
         for (int lags = 0; lags < 2; lags++) {
-            const conditions c = {0.5, 1e6, 0.1, false, lags ? 0.6 : 0};
+            const conditions c = {0.5, 1e6, 0.1, .lag = lags ? 0.6 : 0};
             dynamics d = make_moving(&states[k], &c, false);
             double rate = 0, at_wall = 0;
             sp_dynamics_forces(&d, 0.1);
@@ -324,7 +341,7 @@ static const int THREADS[] = {2, 3, 5};
 
 TEST(test_threads) {
     for (int k = 0; k < 4; k++) {
-        const conditions c = {0.5, 1e6, 0.1, k == 1, 0.6};
+        const conditions c = {0.5, 1e6, 0.1, .history = k == 1, .lag = 0.6};
         dynamics alone = make_moving(&states[k], &c, false);
         run_steps(&alone, 300, 0.1);
         assert_true(alone.refills >= 5 && alone.rebuilds >= 5);
@@ -384,7 +401,7 @@ TEST(test_lists_of_threads) {
 
 /* Disks with a row of forces for both grains of a pair, and with one that they share. */
 TEST(test_shared_rows) {
-    const conditions c = {0.5, 1e6, 0.1, false, 0};
+    const conditions c = {0.5, 1e6, 0.1, .history = false};
     for (int k = 0; k < 2; k++) {
         dynamics both = make_moving(&states[k], &c, false), shared = make_moving(&states[k], &c, false);
         assert_true(both.rows.both);

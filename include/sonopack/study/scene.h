@@ -36,7 +36,7 @@ typedef struct sp_sweep {
     bool overridden; /* --set gave the key a single value, which no sample of the study would have */
 } sp_sweep;
 
-enum { SP_SWEEPS_MAX = 8, SP_FROM_MAX = 1024, SP_PLANES_MAX = 32 };
+enum { SP_SWEEPS_MAX = 8, SP_FROM_MAX = 1024, SP_PLANES_MAX = 32, SP_LISTS_MAX = 24 };
 
 typedef struct sp_scene {
     sp_pack_spec pack;
@@ -51,12 +51,9 @@ typedef struct sp_scene {
     int sweeps;
     sp_sweep sweep[SP_SWEEPS_MAX]; /* first those of study.sweep, then keys that were given a list or a range */
     bool dimension_given;          /* if not, and packing.kind is swept, each kind has its own dimension */
-    double *diameters;             /* owned by this scene; pack.diameters points to it. NULL: not owned */
-    double *history;               /* likewise of pack.history */
-    double *stress;                /* likewise of pack.stress */
-    double *strain, *turns;        /* likewise of pack.strain and pack.turns */
+    double *owned[SP_LISTS_MAX];   /* lists of numbers that belong to this scene, by the order of their keys. pack and
+                                      tapped point to them. NULL: not owned */
     sp_tapped_spec tapped;         /* the group column: the tapped column, which has nothing to do with packings */
-    double *masses, *radii;        /* owned lists of the tapped column, likewise */
     char from[SP_FROM_MAX];        /* packing.file, relative to the current folder; "": none. The caller reads it */
 } sp_scene;
 

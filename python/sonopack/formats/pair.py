@@ -1,4 +1,4 @@
-"""Our own form in two tables: grains 'id x y [z] radius [mass inertia]', contacts 'i j nx ny [nz] overlap Fn Ft [kn kt]';
+"""Our own form in two tables: grains 'id x y [z] radius [mass inertia]', contacts 'i j nx ny [nz] overlap Fn Ft [kn kt mu]';
 box and material in comment lines '# key = value'."""
 from __future__ import annotations
 
@@ -242,8 +242,8 @@ def _contacts(c: _Rows, dim: int, cell: str, ends: tuple[Integers, Integers]) ->
         raise bad_file(f"{c.file}: a column 'kt' without 'kn'; must be both, or kn alone")
     if "overlap" not in c.names and "Fn" not in c.names:
         raise bad_file(f"{c.file}: neither a column 'overlap' nor 'Fn' in the header row")
-    overlap, fn, kn, kt = (c.numbers(name, True) for name in ("overlap", "Fn", "kn", "kt"))
-    kn = np.where(np.isnan(kn), 0.0, kn)
+    overlap, fn, kn, kt, mu = (c.numbers(name, True) for name in ("overlap", "Fn", "kn", "kt", "mu"))
+    kn, mu = (np.where(np.isnan(of), 0.0, of) for of in (kn, mu))
     walls = (i < 0).astype(int) + (j < 0)
     for bad, text in ((((i == j) | (walls > 1) | ((walls > 0) & (cell == "periodic"))),
                        "a contact of {} and {}; must be two grains, or a grain and a wall of the cell"),
@@ -259,7 +259,7 @@ def _contacts(c: _Rows, dim: int, cell: str, ends: tuple[Integers, Integers]) ->
     turned = (i < 0) | ((j >= 0) & (i > j))
     out["i"], out["j"] = np.where(turned, j, i), np.where(turned, i, j)
     out["n"], out["ft"] = np.where(turned[:, None], 0.0 - n, n), np.where(turned[:, None], 0.0 - ft, ft)
-    out["overlap"], out["fn"], out["kn"], out["kt"] = overlap, fn, kn, kt
+    out["overlap"], out["fn"], out["kn"], out["kt"], out["mu"] = overlap, fn, kn, kt, mu
     return out
 
 
@@ -333,6 +333,8 @@ def content(p: Packing, grains: str, contacts: str) -> dict[str, bytes]:
     springs = bool((k["kn"] > 0).any())
     if springs:
         links |= {"kn": k["kn"], "kt": k["kt"]}
+    if bool((k["mu"] > 0).any()):
+        links["mu"] = k["mu"]
     head = "# n from i to j; overlap in d, forces in E* d^2"
     head += ", stiffnesses in E* d (0: Hertz and Mindlin)" if springs else ""
     head += ("", "; Ft: force on i along t = (-ny, nx)", "; Ft: force on i")[dim - 1]

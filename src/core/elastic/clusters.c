@@ -4,6 +4,7 @@
 #include "elastic/rigid.h"
 #include "network/network_cell.h"
 #include "network/spins.h"
+#include "packing/contact.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -42,7 +43,8 @@ static int bars_of(const sp_packing *p, const sp_network *net, const sp_clusters
     const sp_contact *c = &p->contacts[s->contact];
     if (s->j < 0 && !opt->walls)
         return 0;
-    return net->dof > net->dim && length3(c->ft) < opt->sliding_at * p->friction * c->fn ? net->dim : 1;
+    const bool sticks = !contact_smooth(c) && length3(c->ft) < opt->sliding_at * contact_mu(p, c) * c->fn;
+    return net->dof > net->dim && sticks ? net->dim : 1;
 }
 
 /* A grain can spin in place if all its contacts slide, or, in 3D, about the line through the only two. */

@@ -4,6 +4,7 @@
 #include "elastic/equilibrium.h"
 #include "elastic/strain.h"
 #include "network/rows.h"
+#include "packing/contact.h"
 
 #include <math.h>
 #include <sonopack/elastic.h>
@@ -165,7 +166,8 @@ static double nearest_exit(double a, double b, double c, double n, double dn) {
 void sp_response_limits(const sp_packing *p, const sp_network *net, const sp_response *r, int32_t spring, double *opens,
                         double *slides) {
     const sp_contact *c = &p->contacts[net->springs[spring].contact];
-    const double *n = net->springs[spring].n, *force = r->force + 3 * (int64_t)spring, mu = p->friction;
+    const double *n = net->springs[spring].n, *force = r->force + 3 * (int64_t)spring,
+                 mu = contact_smooth(c) ? 0 : contact_mu(p, c);
     const double dn = r->fn[spring], ft = length3(c->ft);
     double change[3];
     for (int a = 0; a < 3; a++)

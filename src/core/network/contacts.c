@@ -42,14 +42,14 @@ static sp_status make_grains(const sp_packing *p, const uint8_t *rattler, int32_
 
 /* Whether a contact is within 1% of the Coulomb limit; contacts that slid last are a little below it. */
 static bool slides(const sp_packing *p, const sp_contact *c) {
-    return length3(c->ft) >= p->friction * c->fn * (1 - 1e-2);
+    return length3(c->ft) >= contact_mu(p, c) * c->fn * (1 - 1e-2);
 }
 
 /* What the slip at the edge of a contact leaves of its tangential stiffness. */
 static double slip_factor(const sp_packing *p, const sp_network_options *opt, const sp_contact *c) {
     if (opt->tangential == SP_SPRINGS_CONSTANT)
         return 1;
-    const double q = fmin(1, length3(c->ft) / (p->friction * c->fn));
+    const double q = fmin(1, length3(c->ft) / (contact_mu(p, c) * c->fn));
     return cbrt(opt->tangential == SP_SPRINGS_LOADING ? 1 - q : 0.5 * (1 - q));
 }
 

@@ -44,10 +44,10 @@ static void audit_contacts(const sp_packing *p, double small, sp_audit *a) {
         const sp_contact *k = &p->contacts[c];
         double turn, overlap = true_overlap(p, k, &turn);
         double hertz = k->kn > 0 ? k->fn : contact_force(contact_stiffness_in(p, k->i, k->j), k->overlap);
-        double ft = length3(k->ft);
+        double ft = length3(k->ft), limit = contact_mu(p, k) * k->fn;
         a->geometry_residual = fmax(a->geometry_residual, fmax(turn, fabs(overlap - k->overlap) / deepest));
         a->law_residual = fmax(a->law_residual, fabs(hertz - k->fn) / fmax(k->fn, small));
-        a->coulomb_excess = fmax(a->coulomb_excess, (ft - p->friction * k->fn) / fmax(p->friction * k->fn, small));
+        a->coulomb_excess = fmax(a->coulomb_excess, (ft - limit) / fmax(limit, small));
     }
 }
 

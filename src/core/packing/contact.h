@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <sonopack/packing.h>
+#include <stdbool.h>
 
 /* E12 sqrt(R12) of two grains, with 1/E12 = 1/E* + 1/E* and 1/R12 = 1/R1 + 1/R2. */
 static inline double contact_stiffness(double r1, double r2) { return 0.5 * sqrt(r1 * r2 / (r1 + r2)); }
@@ -54,6 +55,12 @@ static inline double contact_eta(double poisson) { return (1.0 - poisson) / (1.0
 static inline double contact_kn(const sp_packing *p, const sp_contact *c) {
     return c->kn > 0 ? c->kn : contact_normal_stiffness(contact_stiffness_in(p, c->i, c->j), fmax(c->overlap, 0.0));
 }
+
+/* Coulomb's coefficient of a contact: its own, or the packing's. */
+static inline double contact_mu(const sp_packing *p, const sp_contact *c) { return c->mu > 0 ? c->mu : p->friction; }
+
+/* Whether a contact of a packing with friction carries no tangential force, as between some materials. */
+static inline bool contact_smooth(const sp_contact *c) { return c->kn > 0 && !(c->kt > 0); }
 
 /* Mass m = pi d^3/6 at unit density. The moment of inertia is m d^2/10 = 0.4 m R^2. */
 static inline double grain_mass(double r) { return 4.0 / 3.0 * 3.14159265358979323846 * r * r * r; }

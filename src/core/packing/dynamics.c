@@ -38,6 +38,37 @@ static double power_of_two(double x) {
     return ldexp(1, part < 0.70710678118654752440 ? exponent - 1 : exponent);
 }
 
+static contact_law law_of(const sp_pack_spec *spec) {
+    contact_law law = {.exponent = spec->law_exponent,
+                       .friction = spec->friction,
+                       .damping = spec->damping,
+                       .viscous_limit = spec->viscous_limit,
+                       .spin = 1 / sp_types_inertia(spec),
+                       .mixed = sp_types_mixed(spec)};
+    double densest, lightest;
+    sp_types_limits(spec, &densest, &lightest, &law.stiffest);
+    for (int s = 0; s < sp_types_count(spec); s++) {
+        law.wall[s] = sp_types_rule(spec, s, -1);
+        for (int t = 0; t < sp_types_count(spec); t++)
+            law.pair[s][t] = sp_types_rule(spec, s, t);
+    }
+    law.eta = law.pair[0][0].eta;
+    law.sqrt_eta = law.pair[0][0].sqrt_eta;
+    return law;
+}
+
+void sp_dynamics_set_types(dynamics *d, const sp_pack_spec *spec, const int32_t *type) {
+    d->m_min = INFINITY;
+    for (int32_t i = 0; i < d->n; i++) {
+        double *g = dynamics_grain(d, i);
+        if (type)
+            g[d->at.type] = type[i];
+        const double m = sp_types_mass(spec, (int)g[d->at.type], g[d->at.r]);
+        g[d->at.inv_m] = 1.0 / m;
+        d->m_min = fmin(d->m_min, m);
+    }
+}
+
 sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const double *x, double height, dynamics *out,
                            sp_error *err) {
     const double depth = spec->dim == 3 ? (spec->depth > 0 ? spec->depth : spec->width) : 1;
@@ -58,36 +89,28 @@ sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const doub
                   .lag = spec->reference ? 0 : spec->lag,
                   .piston_y = height,
                   .piston_mass = spec->cell == SP_CELL_PISTON ? spec->piston_mass * spec->width * depth : INFINITY,
-                  .m_min = INFINITY,
                   .outer_travel = INFINITY};
-    if (d.dim == 3 && !(spec->friction > 0))
+    d.law = law_of(spec);
+    if (d.dim == 3 && !(d.law.friction > 0))
         d.at.row = d.at.turn; /* smooth grains have no torques */
-    if (spec->tangential == SP_TANGENTIAL_HISTORY && spec->friction > 0)
+    if (spec->tangential == SP_TANGENTIAL_HISTORY && d.law.friction > 0)
         d.at.past = MINDLIN_NUMBERS;
     d.rows.both = d.dim == 2 && d.n <= BOTH_MOST;
     d.at.averaged = d.lag > 0 ? d.dim : 0;
-    d.law.exponent = spec->law_exponent;
-    d.law.friction = spec->friction;
-    d.law.eta = spec->friction > 0 ? contact_eta(spec->poisson) : 0;
-    d.law.sqrt_eta = sqrt(d.law.eta);
-    d.law.damping = spec->damping;
-    d.law.viscous_limit = spec->viscous_limit;
     if (!alloc_arrays(&d)) {
         sp_dynamics_free(&d);
         return sp_fail_memory(err, (size_t)d.n * (size_t)(8 * d.at.stride + 100));
     }
     for (int32_t i = 0; i < d.n; i++) {
         double *g = dynamics_grain(&d, i);
-        const double m = grain_mass(r[i]);
         memcpy(g, x + 3 * (size_t)i, (size_t)d.dim * sizeof *g);
         g[d.at.r] = r[i];
-        g[d.at.inv_m] = 1.0 / m;
         if (d.dim == 3)
             g[d.at.inv_m + 1] = 1.0 / r[i];
-        d.m_min = fmin(d.m_min, m);
         d.r_max = fmax(d.r_max, r[i]);
         sum += r[i];
     }
+    sp_dynamics_set_types(&d, spec, NULL);
     d.scale = power_of_two(2 * sum / d.n);
     sp_status status = sp_cells_make(d.dim, d.n, d.r_max, &d.cells, err);
     for (int a = 0; a < d.dim && d.cell != SP_CELL_PISTON; a++)
@@ -167,6 +190,7 @@ static double wall_pair(const dynamics *d, int side, int32_t k, double dt) {
     const int32_t i = d->wall[side].i[k];
     double *row = d->rows.row + (int64_t)d->at.row * (d->rows.wall[side] + k), *push = d->wall[side].push + 2 * k;
     const contact_law *law = &d->law;
+    const contact_rule *rule = dynamics_wall_rule(d, i);
     const int up = d->dim - 1; /* number of directions along the wall */
     const wall_frame frame = dynamics_wall(d, side);
     const double sign = frame.sign, *g = dynamics_grain(d, i), distance = dynamics_wall_distance(d, side, g);
@@ -185,8 +209,9 @@ static double wall_pair(const dynamics *d, int side, int32_t k, double dt) {
         memset(past, 0, (size_t)d->at.past * sizeof(double));
         return 0;
     }
-    const double kn = contact_normal_stiffness(sqrt(g[d->at.r]), overlap), elastic = 2.0 / 3.0 * kn * overlap;
-    const double s = sqrt(kn / g[d->at.inv_m]), viscous = 2.0 * law->damping * s, cap = law->friction * elastic;
+    const double kn = rule->stiffness * contact_normal_stiffness(sqrt(g[d->at.r]), overlap);
+    const double elastic = 2.0 / 3.0 * kn * overlap, cap = rule->friction * elastic;
+    const double s = sqrt(kn / g[d->at.inv_m]), viscous = 2.0 * law->damping * s;
     const double normal = fmax(0, elastic - viscous * apart);
     const double twist = up == 2 ? 0.5 * dt * sign * g[d->at.w + frame.axis] * g[d->at.inv_m + 1] : 0;
     for (int a = 0; a < up; a++) {
@@ -195,18 +220,18 @@ static double wall_pair(const dynamics *d, int side, int32_t k, double dt) {
         new += t[a] * t[a];
     }
     for (int a = 0; a < up; a++) {
-        t[a] = (up == 2 && new > 0 ? sqrt(old / new) : 1) * t[a] + law->eta * dt * kn * slip[a];
+        t[a] = (up == 2 && new > 0 ? sqrt(old / new) : 1) * t[a] + rule->eta * dt * kn * slip[a];
         if (d->at.past > 0)
-            t[a] = sp_mindlin_slip(past, 1, ft[a], cap, law->eta * kn, slip[a] * dt);
+            t[a] = sp_mindlin_slip(past, 1, ft[a], cap, rule->eta * kn, slip[a] * dt);
         size += t[a] * t[a];
     }
     size = sqrt(size);
     for (int a = 0; a < up; a++) {
         ft[a] = size > cap ? t[a] * (cap / size) : t[a];
-        t[a] = ft[a] + viscous * law->sqrt_eta * slow[a];
+        t[a] = ft[a] + viscous * rule->sqrt_eta * slow[a];
     }
     size = sqrt(t[0] * t[0] + t[1] * t[1]);
-    const double limit = law->friction * law->viscous_limit * normal;
+    const double limit = rule->friction * law->viscous_limit * normal;
     for (int a = 0; a < up; a++)
         row[frame.along[a]] = size > limit ? t[a] * (limit / size) : t[a];
     row[frame.axis] = -sign * normal;
@@ -338,7 +363,7 @@ static double acceleration(const dynamics *d, int32_t i, const double force[3], 
     const double inv_m = dynamics_grain(d, i)[d->at.inv_m];
     if (d->gravity != 0)
         net[d->dim - 1] -= d->gravity / inv_m;
-    return inv_m * fmax(length3(net), 2.5 * length3(turn));
+    return inv_m * fmax(length3(net), d->law.spin * length3(turn));
 }
 
 /* Whether the grains carry about the load. A heavy piston in free fall has a small acceleration but is not supported.
@@ -402,10 +427,11 @@ static ALWAYS_INLINE double separation(const dynamics *d, const pair_list *p, in
     return length3(x);
 }
 
-double sp_dynamics_normal(const dynamics *d, double r1, double r2, double overlap) {
-    const double a = d->law.exponent;
-    return a == 1.5 ? contact_force(contact_stiffness(r1, r2), overlap)
-                    : contact_strength(r1, r2, a) * contact_power(overlap, a);
+double sp_dynamics_normal(const dynamics *d, int32_t i, int32_t j, double overlap) {
+    const double a = d->law.exponent, r1 = dynamics_radius(d, i), r2 = dynamics_radius(d, j);
+    const double force = a == 1.5 ? contact_force(contact_stiffness(r1, r2), overlap)
+                                  : contact_strength(r1, r2, a) * contact_power(overlap, a);
+    return dynamics_rule(d, i, j)->stiffness * force;
 }
 
 /* Elastic force on i of a pair, and its torque/R. False for an open pair. */
@@ -414,7 +440,7 @@ static ALWAYS_INLINE bool elastic_pair(const dynamics *d, const pair_list *p, in
     double x[3], r = separation(d, p, k, x), overlap = p->reach[k] - r, t[3] = {0, 0, 0};
     if (!(overlap > 0))
         return false;
-    const double normal = sp_dynamics_normal(d, dynamics_radius(d, p->i[k]), dynamics_radius(d, p->j[k]), overlap);
+    const double normal = sp_dynamics_normal(d, p->i[k], p->j[k], overlap);
     const double n[3] = {x[0] / r, x[1] / r, x[2] / r};
     if (d->dim == 2) {
         t[0] = -p->ft[k] * n[1];
@@ -439,7 +465,7 @@ static double elastic_wall(const dynamics *d, int side, int32_t i, double row[8]
     memset(row, 0, 8 * sizeof *row);
     if (!(overlap > 0))
         return 0;
-    const double normal = contact_force(sqrt(g[d->at.r]), overlap);
+    const double normal = dynamics_wall_rule(d, i)->stiffness * contact_force(sqrt(g[d->at.r]), overlap);
     for (int a = 0; a < d->dim - 1; a++)
         row[frame.along[a]] = t[a];
     row[frame.axis] = -frame.sign * normal;

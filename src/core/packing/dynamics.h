@@ -6,6 +6,7 @@
 #include "base/pool.h"
 #include "packing/cell_grid.h"
 #include "packing/mindlin.h"
+#include "packing/types.h"
 
 #include <sonopack/packing.h>
 #include <stdbool.h>
@@ -13,9 +14,9 @@
 
 /* Layout of a grain's data, a row of `stride` doubles (one cache line in 2D, two in 3D), so that a contact finds all of
  * it together. The position comes first (x is wrapped only when the lists are rebuilt), then the velocity. w is R times
- * the angular velocity (2D: one number). */
+ * the angular velocity (2D: one number). type is that of the material, as a double. */
 typedef struct grain_layout {
-    int stride, v, w, r, inv_m;
+    int stride, v, w, r, inv_m, type;
     int row, turn; /* doubles of a force row, and position of its torque/R */
     int forces;    /* components of a pair's tangential force */
     int past;      /* numbers of its history behind them (mindlin.h); 0 without */
@@ -37,11 +38,12 @@ typedef struct pair_list {
     int32_t *span;        /* inner: [blocks of SPAN pairs][2] lowest and highest grain; threads skip blocks by it */
     double *image;        /* [dim] lattice vectors to add to x_j - x_i; 0 along axes with walls */
     double *reach;        /* R_i + R_j */
-    double *ft;    /* elastic tangential force on i: 2D along (-ny, nx); 3D [3]; then the planes of its history */
-    double *u;     /* behind these: averaged relative velocity, 2D along n and (-ny, nx), 3D [3] */
-    double *e2;    /* 2 E12 sqrt(R12) */
-    double *sm;    /* sqrt(m_eff 2 E12 sqrt(R12)) */
-    double *light; /* the larger 1/m */
+    double *ft;       /* elastic tangential force on i: 2D along (-ny, nx); 3D [3]; then the planes of its history */
+    double *u;        /* behind these: averaged relative velocity, 2D along n and (-ny, nx), 3D [3] */
+    double *e2;       /* 2 E12 sqrt(R12) */
+    double *sm;       /* sqrt(m_eff 2 E12 sqrt(R12)) */
+    double *light;    /* the larger 1/m */
+    double *mu, *eta; /* friction and k_t/k_n, where materials are mixed; else not used */
 } pair_list;
 
 enum { SPAN = 256 }; /* pairs */
@@ -78,6 +80,10 @@ typedef struct contact_law {
     double exponent; /* of the overlap in the normal force; 3/2 at walls */
     double friction, eta, sqrt_eta, damping;
     double viscous_limit; /* limit of the total tangential force over the Coulomb limit of its elastic part */
+    double spin;          /* m R^2/I */
+    double stiffest;      /* largest E* of a grain */
+    bool mixed;           /* contacts differ by the types of their grains: rules decide, not friction and eta */
+    contact_rule pair[SP_TYPES_MAX][SP_TYPES_MAX], wall[SP_TYPES_MAX];
 } contact_law;
 
 typedef struct dynamics {
@@ -135,13 +141,21 @@ typedef struct dynamics {
 
 static inline grain_layout grain_layout_of(int dim) {
     static const grain_layout plane = {
-        .stride = 8, .v = 2, .w = 4, .r = 5, .inv_m = 6, .row = 4, .turn = 2, .forces = 1};
+        .stride = 8, .v = 2, .w = 4, .r = 5, .inv_m = 6, .type = 7, .row = 4, .turn = 2, .forces = 1};
     static const grain_layout space = {
-        .stride = 16, .v = 4, .w = 8, .r = 12, .inv_m = 13, .row = 8, .turn = 4, .forces = 3};
+        .stride = 16, .v = 4, .w = 8, .r = 12, .inv_m = 13, .type = 15, .row = 8, .turn = 4, .forces = 3};
     return dim == 3 ? space : plane;
 }
 
 static inline double *dynamics_grain(const dynamics *d, int32_t i) { return d->g + (int64_t)d->at.stride * i; }
+static inline int dynamics_type(const dynamics *d, int32_t i) { return (int)dynamics_grain(d, i)[d->at.type]; }
+/* The law of a pair, and of a grain at a wall. */
+static inline const contact_rule *dynamics_rule(const dynamics *d, int32_t i, int32_t j) {
+    return &d->law.pair[dynamics_type(d, i)][dynamics_type(d, j)];
+}
+static inline const contact_rule *dynamics_wall_rule(const dynamics *d, int32_t i) {
+    return &d->law.wall[dynamics_type(d, i)];
+}
 static inline double dynamics_radius(const dynamics *d, int32_t i) { return dynamics_grain(d, i)[d->at.r]; }
 
 /* Numbers of a pair that outlast a rebuild of the lists, from ft on. */
@@ -186,6 +200,8 @@ static inline const pair_list *dynamics_pairs(const dynamics *d) { return d->pla
 sp_status sp_dynamics_make(const sp_pack_spec *spec, const double *r, const double *x, double height, dynamics *out,
                            sp_error *err);
 void sp_dynamics_free(dynamics *d);
+/* Gives the grains their types, and the masses of these; type NULL: those that they have. */
+void sp_dynamics_set_types(dynamics *d, const sp_pack_spec *spec, const int32_t *type);
 
 /* Computes the forces at the current positions and velocities. Tangential springs stretch by the relative velocity
  * times dt_past, the length of the last step. The lists must be up to date. */
@@ -248,8 +264,8 @@ double sp_deform_cell(dynamics *d, double dt);
 /* Brings the tilts to at most half of the edges, by other lattice vectors of the same lattice. The images of listed
  * pairs are not valid after this. */
 void sp_deform_reduce(dynamics *d);
-/* Elastic normal force of two grains of these radii. */
-double sp_dynamics_normal(const dynamics *d, double r1, double r2, double overlap);
+/* Elastic normal force of grains i and j. */
+double sp_dynamics_normal(const dynamics *d, int32_t i, int32_t j, double overlap);
 /* Keeps the cell in which the outer list is made, and carries a point along from this cell to the present one. */
 void sp_deform_keep(dynamics *d);
 void sp_deform_carry(const dynamics *d, double x[3]);

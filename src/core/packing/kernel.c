@@ -116,26 +116,32 @@ static ALWAYS_INLINE void distances2(const dynamics *d, int32_t first, int32_t c
     }
 }
 
-/* Appendix A of the paper for a block of pairs. Tangential springs stretch by the relative velocity times dt. `rough`:
- * with friction. Smooth grains have no rotations and no tangential forces. `lagging`: dashpots feel averaged
- * velocities. */
-static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int32_t count, block2 *b, const bool rough,
-                               const bool lagging) {
+/* What a block is compiled for. rough: with friction; smooth grains have no rotations and no tangential forces.
+ * lagging: dashpots feel averaged velocities. mixed: friction and k_t/k_n differ from pair to pair. affine: the cell
+ * deforms along all axes. */
+typedef struct variant {
+    bool rough, lagging, mixed, affine;
+} variant;
+
+/* Appendix A of the paper for a block of pairs. Tangential springs stretch by the relative velocity times dt. */
+static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int32_t count, block2 *b,
+                               const variant is) {
     const pair_list *p = &d->inner;
     const double *restrict gaps = b->gap, *restrict stiff = b->kn, *restrict springs = b->elastic;
     const double *restrict nxs = b->nx, *restrict nys = b->ny, *restrict ss = b->s;
     const double *restrict dvx = b->vx, *restrict dvy = b->vy, *restrict spin = b->spin;
     double *restrict ft = p->ft + first, *restrict un = p->u + first, *restrict ut = un + p->capacity;
     double *restrict fx = b->fx, *restrict fy = b->fy, *restrict turn = b->t;
-    const double mu = d->law.friction, eta_dt = d->law.eta * dt, sqrt_eta = d->law.sqrt_eta;
-    const double two_zeta = 2.0 * d->law.damping, mu_viscous = mu * d->law.viscous_limit, lag = d->lag;
+    const double *restrict mus = p->mu + first, *restrict etas = p->eta + first;
+    const double mu_all = d->law.friction, eta_dt_all = d->law.eta * dt, sqrt_eta_all = d->law.sqrt_eta;
+    const double two_zeta = 2.0 * d->law.damping, limit_all = d->law.viscous_limit, lag = d->lag;
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
         double gap = gaps[k], nx = nxs[k], ny = nys[k], vx = dvx[k], vy = dvy[k], elastic = springs[k];
         double vn = vx * nx + vy * ny;
         double vt = vy * nx - vx * ny - spin[k]; /* relative velocity along (-ny, nx), rotations included */
         double slow_n = vn, slow_t = vt;         /* what dashpots feel */
-        if (lagging) {
+        if (is.lagging) {
             slow_n = gap > 0 ? vn + lag * (un[k] - vn) : vn;
             un[k] = slow_n;
             slow_t = gap > 0 ? vt + lag * (ut[k] - vt) : vt;
@@ -144,13 +150,15 @@ static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int3
         double viscous = two_zeta * ss[k];
         double normal = elastic - viscous * slow_n;
         normal = normal > 0 ? normal : 0; /* no attraction */
-        if (!rough) {                     /* a packing that was made with friction may still bring tangential forces */
+        if (!is.rough) {                  /* a packing that was made with friction may still bring tangential forces */
             ft[k] = 0;
             fx[k] = -normal * nx;
             fy[k] = -normal * ny;
             turn[k] = 0;
             continue;
         }
+        const double mu = is.mixed ? mus[k] : mu_all, eta_dt = is.mixed ? etas[k] * dt : eta_dt_all;
+        const double sqrt_eta = is.mixed ? sqrt(etas[k]) : sqrt_eta_all, mu_viscous = mu * limit_all;
         double cap = mu * elastic;                 /* (A3), for the elastic spring */
         double t = ft[k] + eta_dt * stiff[k] * vt; /* (A2): k_t = eta k_n */
         t = t > cap ? cap : t;
@@ -163,6 +171,13 @@ static ALWAYS_INLINE void law2(const dynamics *d, double dt, int32_t first, int3
         fy[k] = -normal * ny + total * nx;
         turn[k] = total;
     }
+}
+
+static ALWAYS_INLINE void law2_any(const dynamics *d, double dt, int32_t first, int32_t count, block2 *b, variant is) {
+    if (d->lag > 0)
+        law2(d, dt, first, count, b, (variant){.rough = is.rough, .mixed = is.mixed, .lagging = true});
+    else
+        law2(d, dt, first, count, b, (variant){.rough = is.rough, .mixed = is.mixed});
 }
 
 /* Writes the forces of a block to its rows; `both`: also the opposite forces with the same torque to those of j.
@@ -209,10 +224,12 @@ CLONES double sp_kernel_pairs_2d(const dynamics *d, double dt_past, int32_t firs
     else
         distances2(d, first, count, &b, false);
     normal_forces(d, first, count, b.gap, b.kn, b.s, b.elastic);
-    if (d->law.friction > 0)
-        d->lag > 0 ? law2(d, dt_past, first, count, &b, true, true) : law2(d, dt_past, first, count, &b, true, false);
+    if (d->law.friction > 0 && d->law.mixed)
+        law2_any(d, dt_past, first, count, &b, (variant){.rough = true, .mixed = true});
+    else if (d->law.friction > 0)
+        law2_any(d, dt_past, first, count, &b, (variant){.rough = true});
     else
-        d->lag > 0 ? law2(d, dt_past, first, count, &b, false, true) : law2(d, dt_past, first, count, &b, false, false);
+        law2_any(d, dt_past, first, count, &b, (variant){.rough = false});
     return d->rows.both ? rows2(d, first, count, &b, true) : rows2(d, first, count, &b, false);
 }
 
@@ -222,7 +239,7 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
     const double spare = d->drag * dt, full = 1.0 - spare, weak = WEAK * d->rate;
     const double strain = d->strain_rate[0] * dt, fall = d->gravity * dt;
     const double rise = d->strain_rate[1] * dt, shear = d->shear_rate[0] * dt;
-    const double *restrict row = d->rows.row;
+    const double spin = d->law.spin, *restrict row = d->rows.row;
     const int32_t *restrict slot = d->rows.slot, *restrict count = d->rows.count;
     double v2 = 0, rate = 0;
     for (int32_t i = first; i < last; i++) {
@@ -251,7 +268,7 @@ static ALWAYS_INLINE kernel_maxima move2(const dynamics *d, double dt, int32_t f
         g[1] += affine ? dt * vy + rise * g[1] : dt * vy;
         g[2] = vx;
         g[3] = vy;
-        g[4] = keep * g[4] + 2.5 * kick * f[2]; /* I = 0.4 m R^2 */
+        g[4] = keep * g[4] + spin * kick * f[2];
         v2 = larger(v2, vx * vx + vy * vy);
         rate = larger(rate, g[6] * f[3]);
     }
@@ -398,10 +415,11 @@ static ALWAYS_INLINE void normals3(const dynamics *d, int32_t first, int32_t cou
 /* Tangential springs: each turns about the normal with the pair's mean rotation, follows the direction of the normal,
  * keeps its length in both, and stretches by the slip. This and what follows have loops of their own because the chain
  * of all roots and quotients is so long that a processor would begin few pairs before others are done. */
-static ALWAYS_INLINE void springs3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b) {
+static ALWAYS_INLINE void springs3(const dynamics *d, double dt, int32_t first, int32_t count, block3 *b,
+                                   const bool mixed) {
     const pair_list *p = &d->inner;
     const double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
-    const double half_dt = 0.5 * dt, eta_dt = d->law.eta * dt;
+    const double half_dt = 0.5 * dt, eta_dt = d->law.eta * dt, *restrict etas = p->eta + first;
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
         const double nx = b->x[0][k], ny = b->x[1][k], nz = b->x[2][k], vn = b->along[k];
@@ -417,7 +435,7 @@ static ALWAYS_INLINE void springs3(const dynamics *d, double dt, int32_t first, 
         fy -= fn * ny;
         fz -= fn * nz;
         const double new2 = fx * fx + fy * fy + fz * fz, same = sqrt(old2 / (new2 + 1e-300));
-        const double stretch = eta_dt * b->kn[k];
+        const double stretch = (mixed ? etas[k] * dt : eta_dt) * b->kn[k];
         b->v[0][k] = gx;
         b->v[1][k] = gy;
         b->v[2][k] = gz;
@@ -428,12 +446,15 @@ static ALWAYS_INLINE void springs3(const dynamics *d, double dt, int32_t first, 
 }
 
 /* Limits the springs by sliding, stores them, and adds the dashpots. */
-static ALWAYS_INLINE void limits3(const dynamics *d, int32_t first, int32_t count, block3 *b, const bool lagging) {
+static ALWAYS_INLINE void limits3(const dynamics *d, int32_t first, int32_t count, block3 *b, const bool lagging,
+                                  const bool mixed) {
     const pair_list *p = &d->inner;
+    const double *restrict mus = p->mu + first, *restrict etas = p->eta + first;
     double *restrict tx = p->ft + first, *restrict ty = tx + p->capacity, *restrict tz = ty + p->capacity;
-    const double mu = d->law.friction, two_zeta = 2.0 * d->law.damping, sqrt_eta = d->law.sqrt_eta;
+    const double mu_all = d->law.friction, two_zeta = 2.0 * d->law.damping, sqrt_eta_all = d->law.sqrt_eta;
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
+        const double mu = mixed ? mus[k] : mu_all, sqrt_eta = mixed ? sqrt(etas[k]) : sqrt_eta_all;
         double fx = b->turn[0][k], fy = b->turn[1][k], fz = b->turn[2][k];
         const double cap = mu * b->elastic[k], size = sqrt(fx * fx + fy * fy + fz * fz);
         const double keep = cap / ((size > cap ? size : cap) + 1e-300), c = two_zeta * b->s[k] * sqrt_eta;
@@ -450,12 +471,14 @@ static ALWAYS_INLINE void limits3(const dynamics *d, int32_t first, int32_t coun
 }
 
 /* Limits the whole tangential forces. Forces overwrite x. */
-static ALWAYS_INLINE void forces3(const dynamics *d, int32_t count, block3 *b) {
-    const double mu_viscous = d->law.friction * d->law.viscous_limit;
+static ALWAYS_INLINE void forces3(const dynamics *d, int32_t first, int32_t count, block3 *b, const bool mixed) {
+    const double mu_viscous_all = d->law.friction * d->law.viscous_limit, viscous_limit = d->law.viscous_limit;
+    const double *restrict mus = d->inner.mu + first;
 #pragma GCC ivdep
     for (int32_t k = 0; k < (count & -8); k++) {
         const double nx = b->x[0][k], ny = b->x[1][k], nz = b->x[2][k], normal = b->normal[k];
         double fx = b->turn[0][k], fy = b->turn[1][k], fz = b->turn[2][k];
+        const double mu_viscous = mixed ? mus[k] * viscous_limit : mu_viscous_all;
         const double limit = mu_viscous * normal, total = sqrt(fx * fx + fy * fy + fz * fz);
         const double cut = limit / ((total > limit ? total : limit) + 1e-300);
         fx *= cut;
@@ -494,41 +517,44 @@ static ALWAYS_INLINE void rows3(const dynamics *d, int32_t first, int32_t count,
 }
 
 /* Appendix A of the paper for a block of pairs, as law2, with a vector for the tangential force. */
-static ALWAYS_INLINE double pairs3(const dynamics *d, double dt, int32_t start, int32_t all, const bool rough,
-                                   const bool affine, const bool lagging) {
+static ALWAYS_INLINE double pairs3(const dynamics *d, double dt, int32_t start, int32_t all, const variant is) {
     block3 b;
     v4 single = {0};
     for (int32_t first = start; first < start + all; first += PIECE) {
         const int32_t left = start + all - first, count = left < PIECE ? left : PIECE;
-        gather3(d, first, count, &b, rough);
-        distances3(d, first, count, &b, affine);
+        gather3(d, first, count, &b, is.rough);
+        distances3(d, first, count, &b, is.affine);
         normal_forces(d, first, count, b.gap, b.kn, b.s, b.elastic);
-        normals3(d, first, count, &b, rough, lagging);
-        if (rough) {
-            springs3(d, dt, first, count, &b);
-            limits3(d, first, count, &b, lagging);
-            forces3(d, count, &b);
+        normals3(d, first, count, &b, is.rough, is.lagging);
+        if (is.rough) {
+            springs3(d, dt, first, count, &b, is.mixed);
+            limits3(d, first, count, &b, is.lagging, is.mixed);
+            forces3(d, first, count, &b, is.mixed);
         }
-        rows3(d, first, count, &b, rough, &single);
+        rows3(d, first, count, &b, is.rough, &single);
     }
     return largest(&single);
 }
 
-static ALWAYS_INLINE double pairs3_any(const dynamics *d, double dt, int32_t first, int32_t count, const bool rough,
-                                       const bool affine) {
-    return d->lag > 0 ? pairs3(d, dt, first, count, rough, affine, true)
-                      : pairs3(d, dt, first, count, rough, affine, false);
+static ALWAYS_INLINE double pairs3_any(const dynamics *d, double dt, int32_t first, int32_t count, const variant is) {
+    variant with = is;
+    with.lagging = true;
+    return d->lag > 0 ? pairs3(d, dt, first, count, with) : pairs3(d, dt, first, count, is);
 }
 
 /* Whether the grains have rotations, and rows with torques. */
 static ALWAYS_INLINE bool turning(const dynamics *d) { return d->at.row > d->at.turn; }
 
+static ALWAYS_INLINE double rough3(const dynamics *d, double dt, int32_t first, int32_t count, const bool affine) {
+    return d->law.mixed ? pairs3_any(d, dt, first, count, (variant){.rough = true, .affine = affine, .mixed = true})
+                        : pairs3_any(d, dt, first, count, (variant){.rough = true, .affine = affine});
+}
+
 CLONES double sp_kernel_pairs_3d(const dynamics *d, double dt_past, int32_t first, int32_t count) {
-    if (d->affine)
-        return turning(d) ? pairs3_any(d, dt_past, first, count, true, true)
-                          : pairs3_any(d, dt_past, first, count, false, true);
-    return turning(d) ? pairs3_any(d, dt_past, first, count, true, false)
-                      : pairs3_any(d, dt_past, first, count, false, false);
+    if (turning(d))
+        return d->affine ? rough3(d, dt_past, first, count, true) : rough3(d, dt_past, first, count, false);
+    return d->affine ? pairs3_any(d, dt_past, first, count, (variant){.affine = true})
+                     : pairs3_any(d, dt_past, first, count, (variant){.affine = false});
 }
 
 static const double SIGN3[2][4] __attribute__((aligned(32))) = {{1, 1, 1, 1}, {-1, -1, -1, 1}};
@@ -573,7 +599,7 @@ static ALWAYS_INLINE kernel_maxima move3(const dynamics *d, double dt, int32_t f
             g[a] += dt * v + (affine ? carried[a] : strain[a] * g[a]);
             g[4 + a] = v;
             if (rough)
-                g[8 + a] = keep * g[8 + a] + 2.5 * kick * q[a];
+                g[8 + a] = keep * g[8 + a] + d->law.spin * kick * q[a];
             square += v * v;
         }
         v2 = larger(v2, square);

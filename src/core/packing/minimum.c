@@ -13,6 +13,7 @@
 #include "packing/contact.h"
 #include "packing/geometry.h"
 #include "packing/prepare.h"
+#include "packing/types.h"
 
 #include <math.h>
 #include <string.h>
@@ -157,7 +158,9 @@ static sp_status start(minimum *m, sp_error *err) {
     const sp_packing *from = m->hooks->from;
     const int dim = s->dim;
     const size_t n = (size_t)s->grains;
-    sp_status status = sp_packing_alloc(&m->p, dim, s->grains, 0, err);
+    m->type = sp_types_draw(s);
+    sp_status status =
+        m->type ? sp_packing_alloc(&m->p, dim, s->grains, 0, err) : sp_fail_memory(err, n * sizeof *m->type);
     if (status != SP_OK)
         return status;
     m->p.cell = SP_CELL_PERIODIC;
@@ -182,7 +185,6 @@ static sp_status start(minimum *m, sp_error *err) {
 
 /* The packing with its contacts. Those of another law than Hertz's have stiffnesses of their own. */
 static sp_status finish(const minimum *m, sp_packing *out, sp_error *err) {
-    const double a = m->spec->law_exponent;
     int32_t count = 0;
     double d[3];
     sp_packing p = sp_packing_none();
@@ -215,13 +217,16 @@ static sp_status finish(const minimum *m, sp_packing *out, sp_error *err) {
             to->n[b] = d[b] / r;
         to->overlap = overlap;
         to->fn = sp_minimum_force(m, c, overlap);
-        to->kn = a == 1.5 ? 0 : a * to->fn / overlap;
     }
     for (int32_t i = 0; i < p.n; i++)
         sp_packing_wrap(&p, p.x + 3 * (size_t)i);
     sp_packing_sort(&p);
-    *out = p;
-    return SP_OK;
+    status = sp_types_finish(m->spec, m->type, &p, err);
+    if (status == SP_OK)
+        *out = p;
+    else
+        sp_packing_free(&p);
+    return status;
 }
 
 /* Sets what the cell does, and strains it by a step of the path. */
@@ -278,6 +283,7 @@ sp_status sp_minimum_make(const sp_pack_spec *spec, const sp_pack_hooks *hooks, 
         status = finish(&m, out, err);
     sp_packing_free(&m.p);
     sp_free(m.pair);
+    sp_free(m.type);
     sp_free(m.memory);
     return status;
 }

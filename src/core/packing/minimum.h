@@ -24,7 +24,8 @@ typedef enum minimum_cell { CELL_FIXED, CELL_GROWS, CELL_YIELDS } minimum_cell;
 typedef struct minimum {
     const sp_pack_spec *spec;
     const sp_pack_hooks *hooks;
-    sp_packing p; /* the state; between new lists its grains may leave the cell */
+    int32_t *type; /* [n] materials */
+    sp_packing p;  /* the state; between new lists its grains may leave the cell */
     pair *pair;
     size_t capacity;
     int64_t pairs, steps;

@@ -5,6 +5,7 @@
 #include "packing/contact.h"
 #include "packing/geometry.h"
 #include "packing/prepare.h"
+#include "packing/types.h"
 
 #include <math.h>
 #include <string.h>
@@ -28,7 +29,8 @@ static sp_status add_pair(int32_t i, int32_t j, void *user, sp_error *err) {
         return sp_fail_memory(err, ((size_t)m->pairs + 1) * sizeof *larger);
     m->pair = larger;
     pair *q = &m->pair[m->pairs++];
-    *q = (pair){.i = i, .j = j, .e = contact_strength(p->r[i], p->r[j], m->spec->law_exponent), .reach = reach};
+    const double e = sp_types_rule(m->spec, m->type[i], m->type[j]).stiffness;
+    *q = (pair){.i = i, .j = j, .e = e * contact_strength(p->r[i], p->r[j], m->spec->law_exponent), .reach = reach};
     for (int k = 0; k < p->dim; k++)
         d[k] -= b[k] - a[k];
     for (int k = p->dim - 1; k >= 0; k--) {

@@ -224,6 +224,10 @@ static inline void copy_pairs(const dynamics *d, const int32_t *near, int32_t fi
             inner->ft[n + (int64_t)a * inner->capacity] = outer->ft[k + (int64_t)a * outer->capacity];
         for (int a = d->at.forces; a < dynamics_kept(d); a++)
             inner->ft[n + (int64_t)a * inner->capacity] = outer->ft[k + (int64_t)a * outer->capacity];
+        if (d->law.mixed) {
+            inner->mu[n] = outer->mu[k];
+            inner->eta[n] = outer->eta[k];
+        }
     }
 }
 
@@ -251,6 +255,8 @@ static void pad(dynamics *d) {
         inner->at_i[k] = inner->at_j[k] = d->at.stride * d->n;
         inner->reach[k] = -1;
         inner->e2[k] = inner->sm[k] = inner->light[k] = 0;
+        if (d->law.mixed)
+            inner->mu[k] = inner->eta[k] = 0;
         for (int a = 0; a < d->dim - 1; a++)
             inner->image[k + (int64_t)a * inner->capacity] = 1;
         for (int a = 0; a < dynamics_kept(d); a++)

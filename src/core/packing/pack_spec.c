@@ -2,6 +2,7 @@
 #include "base/base.h"
 #include "packing/contact.h"
 #include "packing/prepare.h"
+#include "packing/types.h"
 
 #include <math.h>
 #include <sonopack/packing.h>
@@ -67,12 +68,25 @@ static sp_status check_lists(const sp_pack_spec *s, sp_error *err) {
                            s->strain_count, s->turn_count, SP_HISTORY_MAX);
     if (s->stress_count < 0 || s->stress_count > 6)
         return sp_fail_key(err, SP_EINVAL, "packing.stress", " = (%d numbers): must be at most 6", s->stress_count);
-    return SP_OK;
+    return sp_types_check_counts(s, err);
 }
 
 /* ---- sizes ----------------------------------------------------------------------------------------------------- */
 
-static const char *const laws[] = {"uniform", "bidisperse", "lognormal", "list"};
+static const char *const laws[] = {"uniform", "bidisperse", "lognormal", "list", "types"};
+
+/* The grains have these diameters, and no others may be given. */
+static sp_status check_given_limits(const sp_pack_spec *given, sp_error *err) {
+    double low, high;
+    sp_sizes_limits(given, &low, &high);
+    if ((given->diameter_min != 0 && given->diameter_min != low) ||
+        (given->diameter_max != 0 && given->diameter_max != high))
+        return sp_fail_key(err, SP_EINVAL, given->diameter_min != 0 ? "packing.diameter_min" : "packing.diameter_max",
+                           " = %g: must be 0 (not given) with packing.sizes = \"%s\", whose own limits are %g .. %g",
+                           given->diameter_min != 0 ? given->diameter_min : given->diameter_max, laws[given->sizes],
+                           low, high);
+    return SP_OK;
+}
 
 static sp_status check_list(const sp_pack_spec *given, sp_error *err) {
     const int32_t count = given->diameters ? given->diameter_count : 0;
@@ -81,14 +95,7 @@ static sp_status check_list(const sp_pack_spec *given, sp_error *err) {
                            " = (%d numbers): must be one for each of packing.grains = %d, packing.sizes = "
                            "\"list\" takes them from there or from packing.diameter_file",
                            count, given->grains);
-    double low, high;
-    sp_sizes_limits(given, &low, &high);
-    if ((given->diameter_min != 0 && given->diameter_min != low) ||
-        (given->diameter_max != 0 && given->diameter_max != high))
-        return sp_fail_key(err, SP_EINVAL, given->diameter_min != 0 ? "packing.diameter_min" : "packing.diameter_max",
-                           " = %g: must be 0 (not given) with packing.sizes = \"list\", whose own limits are %g .. %g",
-                           given->diameter_min != 0 ? given->diameter_min : given->diameter_max, low, high);
-    return SP_OK;
+    return check_given_limits(given, err);
 }
 
 /* Limits that exclude nearly all grains are a mistake: all grains would be as large as the nearer limit. */
@@ -116,6 +123,8 @@ static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, s
                            " = \"%s\": must be \"list\" where packing.diameters or packing.diameter_file is "
                            "given",
                            laws[s->sizes]);
+    if (s->sizes == SP_SIZES_TYPES)
+        return check_given_limits(given, err);
     if ((given->diameter_min == 0) != (given->diameter_max == 0))
         return sp_fail_key(err, SP_EINVAL, given->diameter_min == 0 ? "packing.diameter_min" : "packing.diameter_max",
                            " = 0: must be given if packing.diameter_%s is, or neither",
@@ -159,7 +168,9 @@ static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
  * diameters up to 2.6. */
 static double heaviness(const sp_pack_spec *s) {
     const double mean = sp_sizes_moment(s, 1);
-    return fmax(fmax(1, s->diameter_min), grain_mass(0.5 * s->diameter_max) / (10 * mean * mean));
+    double densest, lightest, stiffest;
+    sp_types_limits(s, &densest, &lightest, &stiffest);
+    return fmax(fmax(1, s->diameter_min), grain_mass(0.5 * s->diameter_max) / (10 * mean * mean)) * fmax(1, densest);
 }
 
 double sp_rounding_acceleration(double pressure, double exponent) {
@@ -169,7 +180,10 @@ double sp_rounding_acceleration(double pressure, double exponent) {
 /* A tolerance of 2e-15 was reached at p = 1e-4. */
 static double least_tolerance(const sp_pack_spec *s) {
     const double area = s->dim == 3 ? s->width * s->depth : s->width;
-    return sp_rounding_acceleration(s->pressure, s->law_exponent) * fmax(1, fmax(s->width, s->grains / area) / 25);
+    double densest, lightest, stiffest;
+    sp_types_limits(s, &densest, &lightest, &stiffest);
+    return fmax(1, stiffest / lightest) * sp_rounding_acceleration(s->pressure, s->law_exponent) *
+           fmax(1, fmax(s->width, s->grains / area) / 25);
 }
 
 static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
@@ -375,7 +389,9 @@ sp_status sp_pack_spec_check(const sp_pack_spec *given, sp_error *err) {
     if (status != SP_OK)
         return status;
     const sp_pack_spec resolved = sp_pack_spec_resolve(given), *s = &resolved;
-    status = check_sizes(given, s, err);
+    status = sp_types_check(s, err);
+    if (status == SP_OK)
+        status = check_sizes(given, s, err);
     if (status != SP_OK)
         return status;
     status = sp_cell_spec_check(given, s, err);

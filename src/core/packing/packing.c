@@ -15,6 +15,7 @@ void sp_packing_free(sp_packing *p) {
     sp_free(p->r);
     sp_free(p->mass);
     sp_free(p->inertia);
+    sp_free(p->species);
     sp_free(p->contacts);
     sp_free(p->scene);
     *p = sp_packing_none();
@@ -54,6 +55,11 @@ sp_status sp_packing_alloc_masses(sp_packing *p, sp_error *err) {
         p->inertia[i] = grain_inertia(p->r[i]);
     }
     return SP_OK;
+}
+
+sp_status sp_packing_alloc_species(sp_packing *p, sp_error *err) {
+    p->species = sp_alloc((size_t)p->n, sizeof *p->species);
+    return p->species ? SP_OK : sp_fail_memory(err, (size_t)p->n * sizeof *p->species);
 }
 
 bool sp_packing_has_stiffnesses(const sp_packing *p) {
@@ -188,6 +194,8 @@ static sp_status check_contact(const sp_packing *p, int32_t c, sp_error *err) {
         return sp_fail(err, SP_EFORMAT,
                        "contact %d: stiffnesses kn %g and kt %g must be finite and >= 0, and kn above 0 where kt is", c,
                        k->kn, k->kt);
+    if (!(k->mu >= 0 && isfinite(k->mu)))
+        return sp_fail(err, SP_EFORMAT, "contact %d: friction %g must be finite and >= 0", c, k->mu);
     double reach = k->j >= 0 ? p->r[k->i] + p->r[k->j] : p->r[k->i];
     if (!(k->overlap < reach))
         return sp_fail(err, SP_EFORMAT, "contact %d: overlap %g is not below the radii %g", c, k->overlap, reach);

@@ -18,7 +18,7 @@ void sp_pair_list_free(pair_list *p) {
 
 sp_status sp_pair_list_alloc(pair_list *p, const dynamics *d, int32_t capacity, bool inner, sp_error *err) {
     const size_t n = ((size_t)capacity + 15) / 16 * 16, integers = inner ? 6 : 3;
-    const size_t reals = (size_t)(4 + d->dim + dynamics_kept(d));
+    const size_t reals = (size_t)(4 + d->dim + dynamics_kept(d) + (d->law.mixed ? 2 : 0));
     pair_list q = {.capacity = (int32_t)n};
     q.integers = n <= INT32_MAX ? sp_alloc(integers * n, sizeof *q.integers) : NULL;
     q.reals = n <= INT32_MAX ? sp_alloc(reals * n, sizeof *q.reals) : NULL;
@@ -43,6 +43,8 @@ sp_status sp_pair_list_alloc(pair_list *p, const dynamics *d, int32_t capacity, 
     q.image = q.light + n;
     q.ft = q.image + (size_t)d->dim * n;
     q.u = q.ft + (size_t)(d->at.forces + d->at.past) * n;
+    q.mu = d->law.mixed ? q.ft + (size_t)dynamics_kept(d) * n : q.reach;
+    q.eta = d->law.mixed ? q.mu + n : q.reach;
     *p = q;
     return SP_OK;
 }
@@ -281,11 +283,16 @@ static void set_pair(const search *s, int32_t k, int32_t i, int32_t j) {
     p->j[k] = j;
     p->reach[k] = g[d->at.r] + h[d->at.r];
     const double law = d->law.exponent, r1 = g[d->at.r], r2 = h[d->at.r];
-    p->e2[k] = law == 1.5 ? 2.0 * contact_stiffness(r1, r2) : law * contact_strength(r1, r2, law);
+    const contact_rule *rule = dynamics_rule(d, i, j);
+    p->e2[k] = rule->stiffness * (law == 1.5 ? 2.0 * contact_stiffness(r1, r2) : law * contact_strength(r1, r2, law));
     p->sm[k] = sqrt(p->e2[k] / (g[d->at.inv_m] + h[d->at.inv_m])); /* 1/m_eff = 1/m_i + 1/m_j */
     p->light[k] = fmax(g[d->at.inv_m], h[d->at.inv_m]);
     for (int a = 0; a < d->dim; a++)
         p->image[k + (int64_t)a * p->capacity] = image[a];
+    if (d->law.mixed) {
+        p->mu[k] = rule->friction;
+        p->eta[k] = rule->eta;
+    }
 }
 
 /* Copies the tangential force of a pair from the old list, in which the pairs of i are [first, last). */

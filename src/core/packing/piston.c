@@ -14,7 +14,7 @@
 
 /* The tangential forces are those of the last evaluation, before the last step. Makes them tangential to the stored
  * normal and limits them by Coulomb's law at the stored overlap. */
-static void finish_contact(const dynamics *d, sp_contact *c) {
+static void finish_contact(const dynamics *d, double friction, sp_contact *c) {
     double along = 0, square = 0;
     for (int a = 0; a < 3; a++)
         along += c->ft[a] * c->n[a];
@@ -22,7 +22,7 @@ static void finish_contact(const dynamics *d, sp_contact *c) {
         c->ft[a] -= d->dim == 3 ? along * c->n[a] : 0;
         square += c->ft[a] * c->ft[a];
     }
-    const double size = sqrt(square), limit = d->law.friction * c->fn;
+    const double size = sqrt(square), limit = friction * c->fn;
     for (int a = 0; a < 3; a++)
         c->ft[a] = (size > limit ? c->ft[a] * (limit / size) : c->ft[a]) + 0.0; /* no negative zero */
 }
@@ -48,12 +48,8 @@ static void add_pair(const compression *run, const pair_list *list, int32_t k, s
     }
     sp_contact *c = &p->contacts[(*count)++];
     *c = (sp_contact){.i = i, .j = j, .overlap = overlap, .n = {n[0], n[1], n[2]}, .ft = {t[0], t[1], t[2]}};
-    c->fn = sp_dynamics_normal(d, p->r[i], p->r[j], overlap);
-    if (d->law.exponent != 1.5) {
-        c->kn = d->law.exponent * c->fn / overlap;
-        c->kt = d->law.eta * c->kn;
-    }
-    finish_contact(d, c);
+    c->fn = sp_dynamics_normal(d, list->i[k], list->j[k], overlap);
+    finish_contact(d, dynamics_rule(d, list->i[k], list->j[k])->friction, c);
 }
 
 static void add_wall(const compression *run, int side, int32_t at, sp_packing *p, int32_t *count) {
@@ -65,11 +61,12 @@ static void add_wall(const compression *run, int side, int32_t at, sp_packing *p
     if (!(overlap > 0))
         return;
     sp_contact c = {.i = i, .j = -1 - side, .overlap = overlap};
-    c.fn = contact_force(contact_wall_stiffness(p->r[i], p->wall), overlap);
+    const contact_rule *rule = dynamics_wall_rule(d, at);
+    c.fn = rule->stiffness * contact_force(contact_wall_stiffness(p->r[i], p->wall), overlap);
     c.n[frame.axis] = frame.sign;
     for (int a = 0; a < d->dim - 1; a++)
         c.ft[frame.along[a]] = ft[a];
-    finish_contact(d, &c);
+    finish_contact(d, rule->friction, &c);
     p->contacts[(*count)++] = c;
 }
 
@@ -92,13 +89,18 @@ static sp_status freeze(const compression *run, sp_packing *out, sp_error *err) 
     int32_t walls = 0;
     for (int side = 0; side < d->walls; side++)
         walls += d->wall[side].n;
-    sp_status status = sp_packing_alloc(&p, d->dim, d->n, list->n + walls, err);
-    if (status != SP_OK)
+    int32_t *type = sp_alloc((size_t)d->n, sizeof *type);
+    sp_status status = type ? SP_OK : sp_fail_memory(err, (size_t)d->n * sizeof *type);
+    if (status == SP_OK)
+        status = sp_packing_alloc(&p, d->dim, d->n, list->n + walls, err);
+    if (status != SP_OK) {
+        sp_free(type);
         return status;
+    }
     set_cell(d, &p);
     p.gravity = spec->gravity;
     p.pressure = run->stage > run->whole->history_count ? sp_squeeze_pressure(run) : spec->pressure;
-    p.friction = spec->friction;
+    p.friction = d->law.friction;
     p.poisson = spec->poisson;
     p.seed = spec->seed;
     p.steps = run->steps;
@@ -107,6 +109,7 @@ static sp_status freeze(const compression *run, sp_packing *out, sp_error *err) 
         const double *g = dynamics_grain(d, at);
         double *x = p.x + 3 * (size_t)run->id[at];
         p.r[run->id[at]] = g[d->at.r];
+        type[run->id[at]] = dynamics_type(d, at);
         for (int a = 0; a < d->dim; a++)
             x[a] = g[a];
         if (p.cell == SP_CELL_PERIODIC)
@@ -124,8 +127,13 @@ static sp_status freeze(const compression *run, sp_packing *out, sp_error *err) 
             add_wall(run, side, d->wall[side].i[k], &p, &count);
     p.n_contacts = count;
     sp_packing_sort(&p);
-    *out = p;
-    return SP_OK;
+    status = sp_types_finish(spec, type, &p, err);
+    sp_free(type);
+    if (status == SP_OK)
+        *out = p;
+    else
+        sp_packing_free(&p);
+    return status;
 }
 
 /* ---- the time step ------------------------------------------------------------------------------------------- */
@@ -173,7 +181,8 @@ static double next_step(const compression *run) {
     double soon = 2.0 * sqrt(run->r_min * 2.0 * fast * past); /* k_n = 2 E* sqrt(R n) at a wall, n = 2 v dt */
     if (a != 1.5)
         soon = 2 * a * contact_strength(d->r_max, d->r_max, a) * contact_power(2 * fast * past, a - 1);
-    double rate = fmax(d->rate, (d->lag > 0 ? fmax(0.8, d->law.damping) : 0.5) * sqrt(soon / d->m_min));
+    double rate =
+        fmax(d->rate, (d->lag > 0 ? fmax(0.8, d->law.damping) : 0.5) * sqrt(d->law.stiffest * soon / d->m_min));
     double dt = rate > 0 ? factor / rate : INFINITY;
     if (d->piston_k > 0) /* a light piston on many grains */
         dt = fmin(dt, 0.4 * factor * sqrt(d->piston_mass / d->piston_k));
@@ -185,7 +194,7 @@ static double plain_step(const compression *run) {
     const dynamics *d = &run->d;
     const double factor = 0.05, past = d->dt, fast = d->v_max + fabs(d->strain_rate[d->dim - 1]) * 2 * d->r_max;
     const double soon = 2.0 * sqrt(d->r_max * 2.0 * fast * past);
-    double dt = factor * sqrt(d->m_min / fmax(d->k_max, 0.16 * soon));
+    double dt = factor * sqrt(d->m_min / fmax(d->k_max, 0.16 * d->law.stiffest * soon));
     if (d->piston_k > 0)
         dt = fmin(dt, factor * sqrt(d->piston_mass / d->piston_k));
     return fmin(dt, past > 0 ? 1.5 * past : INFINITY);

@@ -31,9 +31,10 @@ static vector spin_of(const dynamics *d, int32_t i) {
 }
 
 typedef struct touch {
-    vector n, v;     /* normal from i to j; velocity of j relative to i */
-    vector w, twist; /* sum of the R omega; sum of the omega */
-    double e, overlap, m_eff;
+    vector n, v;              /* normal from i to j; velocity of j relative to i */
+    vector w, twist;          /* sum of the R omega; sum of the omega */
+    double e, overlap, m_eff; /* e: E12 sqrt(R12) */
+    const contact_rule *rule;
     vector along; /* history: direction of the scalar force */
     double *past; /* history, with its stride; NULL without */
     int64_t stride;
@@ -60,12 +61,12 @@ static void law(const dynamics *d, const touch *c, double dt, vector *ft, vector
     if (d->dim == 3 && after > 0)
         t = add((vector){0, 0, 0}, before / after, t);
     if (c->past)
-        t = remembered(c, *ft, law->friction * elastic, law->eta * kn, slip, dt);
+        t = remembered(c, *ft, c->rule->friction * elastic, c->rule->eta * kn, slip, dt);
     else
-        t = limited(add(t, law->eta * kn * dt, slip), law->friction * elastic);
+        t = limited(add(t, c->rule->eta * kn * dt, slip), c->rule->friction * elastic);
     *ft = t;
-    t = add(t, viscous * law->sqrt_eta, slip);
-    t = limited(t, law->friction * law->viscous_limit * normal);
+    t = add(t, viscous * c->rule->sqrt_eta, slip);
+    t = limited(t, c->rule->friction * law->viscous_limit * normal);
     *turn = cross(c->n, t);
     *force = add(t, -normal, c->n);
 }
@@ -116,7 +117,8 @@ static void plain_pair(dynamics *d, int32_t k, double dt) {
     c.v = add(c.v, 1, flow(d, x, 1));
     c.w = add(spin_of(d, i), 1, spin_of(d, j));
     c.twist = add(add((vector){0, 0, 0}, 1 / g[d->at.r], spin_of(d, i)), 1 / h[d->at.r], spin_of(d, j));
-    c.e = contact_stiffness(g[d->at.r], h[d->at.r]);
+    c.rule = dynamics_rule(d, i, j);
+    c.e = c.rule->stiffness * contact_stiffness(g[d->at.r], h[d->at.r]);
     c.m_eff = 1 / (g[d->at.inv_m] + h[d->at.inv_m]);
     double *ft = p->ft + k;
     vector t = d->dim == 3 ? (vector){ft[0], ft[plane], ft[2 * plane]} : (vector){-ft[0] * c.n.y, ft[0] * c.n.x, 0};
@@ -155,7 +157,8 @@ static void plain_wall(dynamics *d, int side, int32_t i, double dt) {
     c.v = add(c.v, d->strain_rate[frame.axis] * distance, c.n);
     c.w = spin_of(d, i);
     c.twist = add((vector){0, 0, 0}, 1 / g[d->at.r], c.w);
-    c.e = sqrt(g[d->at.r]);
+    c.rule = dynamics_wall_rule(d, i);
+    c.e = c.rule->stiffness * sqrt(g[d->at.r]);
     c.m_eff = 1 / g[d->at.inv_m];
     vector t = {old[0], old[1], old[2]}, force, turn;
     law(d, &c, dt, &t, &force, &turn);
@@ -195,8 +198,8 @@ void sp_plain_advance(dynamics *d, double dt) {
             g[a] += dt * *v + carried[a];
             square += *v * *v;
         }
-        for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++) /* I = 0.4 m R^2 */
-            g[d->at.w + a] = keep * g[d->at.w + a] + 2.5 * kick * f[d->dim == 3 ? 3 + a : 5];
+        for (int a = 0; a < (d->dim == 3 ? 3 : 1); a++)
+            g[d->at.w + a] = keep * g[d->at.w + a] + d->law.spin * kick * f[d->dim == 3 ? 3 + a : 5];
         v2 = fmax(v2, square);
     }
     d->v_max = sqrt(v2);

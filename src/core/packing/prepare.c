@@ -4,6 +4,7 @@
 #include "base/base.h"
 #include "numeric/random.h"
 #include "packing/cell_grid.h"
+#include "packing/types.h"
 
 #include <math.h>
 
@@ -40,12 +41,17 @@ static double log_median(const sp_pack_spec *s) { return -0.5 * s->size_spread *
 void sp_sizes_limits(const sp_pack_spec *s, double *low, double *high) {
     *low = s->diameter_min;
     *high = s->diameter_max;
-    if (s->sizes == SP_SIZES_LIST) {
+    if (s->sizes == SP_SIZES_LIST || s->sizes == SP_SIZES_TYPES) {
+        const bool list = s->sizes == SP_SIZES_LIST;
+        const double *all = list ? s->diameters : s->types.diameter;
+        const int32_t count = !all   ? 0
+                              : list ? (s->grains < s->diameter_count ? s->grains : s->diameter_count)
+                                     : s->types.diameters;
         *low = INFINITY;
         *high = 0;
-        for (int32_t i = 0; i < s->grains && i < s->diameter_count && s->diameters; i++) {
-            *low = fmin(*low, s->diameters[i]);
-            *high = fmax(*high, s->diameters[i]);
+        for (int32_t i = 0; i < count; i++) {
+            *low = fmin(*low, all[i]);
+            *high = fmax(*high, all[i]);
         }
     } else if (*low == 0 && *high == 0) {
         const bool ordered = s->kind != SP_PACK_PISTON && s->kind != SP_PACK_MINIMUM;
@@ -96,6 +102,10 @@ double sp_sizes_moment(const sp_pack_spec *s, int k) {
         for (int32_t i = 0; i < s->grains && i < s->diameter_count; i++)
             sum += pow(s->diameters[i], k);
         return sum / s->grains;
+    case SP_SIZES_TYPES:
+        for (int t = 0; t < s->types.fractions && t < s->types.diameters; t++)
+            sum += s->types.fraction[t] * pow(s->types.diameter[t], k);
+        return sum;
     }
     return NAN;
 }
@@ -137,6 +147,12 @@ static void draw_lognormal(const sp_pack_spec *s, sp_random *stream, double *r) 
     }
 }
 
+static void draw_types(const sp_pack_spec *s, double *r) {
+    sp_type_draw draw = sp_types_begin(s);
+    for (int32_t i = 0; i < s->grains; i++)
+        r[i] = 0.5 * s->types.diameter[sp_types_next(&draw)];
+}
+
 bool sp_sizes_alike(const sp_pack_spec *spec) { return spec->diameter_max < 1.2 * spec->diameter_min; }
 
 void sp_radii_draw(const sp_pack_spec *s, double *r) {
@@ -149,6 +165,7 @@ void sp_radii_draw(const sp_pack_spec *s, double *r) {
         for (int32_t i = 0; i < s->grains; i++)
             r[i] = 0.5 * s->diameters[i];
         break;
+    case SP_SIZES_TYPES: draw_types(s, r); break;
     }
 }
 

@@ -77,6 +77,18 @@ static void reorder(const int32_t *id, int32_t n, const double *r, const double 
     }
 }
 
+static sp_status place_types(compression *run, const sp_pack_spec *spec, sp_error *err) {
+    int32_t *type = sp_types_draw(spec), *placed = sp_alloc((size_t)spec->grains, sizeof *placed);
+    sp_status status = type && placed ? SP_OK : sp_fail_memory(err, (size_t)spec->grains * 2 * sizeof *type);
+    for (int32_t k = 0; k < spec->grains && status == SP_OK; k++)
+        placed[k] = type[run->id[k]];
+    if (status == SP_OK)
+        sp_dynamics_set_types(&run->d, spec, placed);
+    sp_free(placed);
+    sp_free(type);
+    return status;
+}
+
 /* Creates the dynamics of grains at x with radii r, given in packing order, and chooses their order in memory. */
 static sp_status place_grains(compression *run, const sp_pack_spec *spec, const double *r, const double *x,
                               double height, sp_error *err) {
@@ -90,6 +102,8 @@ static sp_status place_grains(compression *run, const sp_pack_spec *spec, const 
         reorder(run->id, spec->grains, r, x, scratch, scratch + n);
         status = sp_dynamics_make(spec, scratch, scratch + n, height, &run->d, err);
     }
+    if (status == SP_OK && spec->types.fractions > 0)
+        status = place_types(run, spec, err);
     run->start_height = height;
     run->start_period[0] = spec->width;
     run->start_period[1] = spec->depth;

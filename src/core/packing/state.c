@@ -40,6 +40,8 @@ uint64_t sp_packing_hash(const sp_packing *p) {
             hash = add_number(hash, k->ft[a] + 0.0);
         if (k->kn > 0)
             hash = add_number(add_number(hash, k->kn), k->kt);
+        if (k->mu > 0)
+            hash = add_number(hash, k->mu);
     }
     if (p->mass) {
         hash = sp_hash64_words(hash, p->mass, (size_t)p->n * sizeof *p->mass);
@@ -287,7 +289,8 @@ static sp_status read_grains(stream *s, compression *run, sp_error *err) {
         bool good = id >= 0 && id < spec->grains && !seen[id];
         for (size_t k = 0; k < stride; k++)
             good = good && isfinite(g[stride * i + k]);
-        good = good && g[stride * i + r_at] > 0;
+        const double type = g[stride * i + (size_t)at.type];
+        good = good && g[stride * i + r_at] > 0 && type >= 0 && type < sp_types_count(spec) && type == floor(type);
         if (good)
             seen[id] = 1;
         else
@@ -305,6 +308,7 @@ static sp_status read_grains(stream *s, compression *run, sp_error *err) {
     if (status != SP_OK)
         goto out;
     memcpy(run->d.g, g, n * stride * sizeof *g);
+    sp_dynamics_set_types(&run->d, spec, NULL);
 out:
     sp_free(seen);
     sp_free(x);

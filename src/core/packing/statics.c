@@ -277,7 +277,7 @@ static double mobilised(const sp_packing *p, const uint8_t *carrying) {
             continue;
         const double ft = length3(k->ft);
         contacts++;
-        full += ft >= at_limit * p->friction * k->fn;
+        full += ft >= at_limit * contact_mu(p, k) * k->fn;
     }
     return p->friction > 0 ? full / contacts : NAN;
 }

@@ -124,9 +124,8 @@ sp_status sp_study_scene(const sp_scene *study, int64_t k, sp_scene *out, sp_err
     scene.sweeps = 0;
     scene.samples = 1;
     memset(scene.sweep, 0, sizeof scene.sweep);
-    scene.diameters = scene.history = scene.stress = scene.strain = scene.turns = NULL; /* owned by the study */
-    scene.masses = scene.radii = NULL;
-    int64_t left = k % combinations(study); /* the last sweep varies fastest */
+    memset(scene.owned, 0, sizeof scene.owned); /* the study's */
+    int64_t left = k % combinations(study);     /* the last sweep varies fastest */
     for (int s = study->sweeps - 1; s >= 0; s--) {
         const sp_sweep *sweep = &study->sweep[s];
         sp_status status = sp_scene_set_swept(&scene, sweep, (int)(left % sweep->count), err);

@@ -13,11 +13,10 @@ static const sp_word pack_kinds[] = {{"piston", SP_PACK_PISTON},   {"triangular"
                                      {"minimum", SP_PACK_MINIMUM}, {NULL, 0}};
 static const sp_word pack_cells[] = {
     {"piston", SP_CELL_PISTON}, {"periodic", SP_CELL_PERIODIC}, {"box", SP_CELL_BOX}, {NULL, 0}};
-static const sp_word laws[] = {{"uniform", SP_SIZES_UNIFORM},
-                               {"bidisperse", SP_SIZES_BIDISPERSE},
-                               {"lognormal", SP_SIZES_LOGNORMAL},
-                               {"list", SP_SIZES_LIST},
-                               {NULL, 0}};
+static const sp_word laws[] = {{"uniform", SP_SIZES_UNIFORM},     {"bidisperse", SP_SIZES_BIDISPERSE},
+                               {"lognormal", SP_SIZES_LOGNORMAL}, {"list", SP_SIZES_LIST},
+                               {"types", SP_SIZES_TYPES},         {NULL, 0}};
+static const sp_word shapes[] = {{"sphere", SP_SHAPE_SPHERE}, {"disk", SP_SHAPE_DISK}, {NULL, 0}};
 static const sp_word compressions[] = {
     {"piston", SP_COMPRESSION_PISTON}, {"isotropic", SP_COMPRESSION_ISOTROPIC}, {NULL, 0}};
 static const sp_word tangentials[] = {

@@ -44,7 +44,7 @@ typedef struct sp_number {
     double real; /* also set for integers */
 } sp_number;
 
-enum { SP_FIELDS = 89, SP_GROUPS = 6 };
+enum { SP_FIELDS = 96, SP_GROUPS = 6 };
 extern const sp_field sp_fields[SP_FIELDS];
 extern const char *const sp_groups[SP_GROUPS];
 int sp_field_index(const sp_field *f);

@@ -24,19 +24,12 @@ void sp_scene_free_sweeps(sp_scene *s) {
     s->sweeps = 0;
 }
 
-/* The scene's pointer to a list of this field, if it owns one; NULL for fields that are no such list. */
+/* The scene's pointer to a list of this field; NULL for fields that are no such list. */
 static double **owner_of(sp_scene *s, const sp_field *f) {
-    const struct {
-        const char *key;
-        double **owner;
-    } owners[] = {{"packing.diameters", &s->diameters}, {"packing.history", &s->history},
-                  {"packing.stress", &s->stress},       {"packing.path.strain", &s->strain},
-                  {"packing.path.turns", &s->turns},    {"column.mass", &s->masses},
-                  {"column.radius", &s->radii}};
-    for (size_t k = 0; k < sizeof owners / sizeof *owners; k++)
-        if (strcmp(f->key, owners[k].key) == 0)
-            return owners[k].owner;
-    return NULL;
+    int before = 0;
+    for (const sp_field *g = sp_fields; g < f; g++)
+        before += g->type == SP_FIELD_REALS;
+    return f->type == SP_FIELD_REALS && !sp_field_is_planes(f) ? &s->owned[before] : NULL;
 }
 
 void sp_scene_own_list(sp_scene *s, const sp_field *f, double *values, int32_t count) {

@@ -98,10 +98,9 @@ void sp_field_put(sp_text *t, const sp_scene *s, const sp_field *f) {
 }
 
 /* Of packing.grains and packing.height only the one that counts is written, so that equal packings have equal texts.
- * Scenes name cell, stress, strain rate, path, gravity, law and fraction where they are not those of a piston without
- * weight,
- * and loading history where there is one. The dimension is not written where packing.kind is swept and each kind has
- * its own. */
+ * Scenes name cell, stress, strain rate, path, gravity, law, types, shape and fraction where they are not those of a
+ * piston without weight, and loading history where there is one. The dimension is not written where packing.kind is
+ * swept and each kind has its own. */
 static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
     if (strcmp(f->key, "packing.dimension") == 0 && !group && !s->dimension_given)
         for (int k = 0; k < s->sweeps; k++)
@@ -116,6 +115,8 @@ static bool left_out(const sp_scene *s, const sp_field *f, const char *group) {
         (strcmp(f->key, "packing.strain_rate") == 0 && s->pack.strain_rate == 0) ||
         (strcmp(f->key, "packing.stress") == 0 && s->pack.stress_count == 0) ||
         (strcmp(f->key, "packing.stages") == 0 && s->pack.stages == 0) ||
+        (strcmp(f->key, "packing.shape") == 0 && s->pack.shape == SP_SHAPE_SPHERE) ||
+        (strncmp(f->key, "packing.types.", 14) == 0 && s->pack.types.fractions == 0) ||
         (strncmp(f->key, "packing.path.", 13) == 0 && s->pack.strain_count == 0))
         return true;
     return (strcmp(f->key, "packing.height") == 0 && !(s->height > 0)) ||

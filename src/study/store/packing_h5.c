@@ -28,6 +28,7 @@ static const sp_h5_name name_radius = {"/particles/grains/radius", "d", "radii o
 static const sp_h5_name name_mass = {"/particles/grains/mass", "rho d^3", "masses"};
 static const sp_h5_name name_inertia = {"/particles/grains/inertia", "rho d^5",
                                         "moments of inertia; absent for spheres of unit density"};
+static const sp_h5_name name_species = {"/particles/grains/species", "1", "materials of the grains, from 0"};
 static const sp_h5_name name_pairs = {"/connectivity/contacts", "1",
                                       "grains i < j of each contact between grains, from 0"};
 static const sp_h5_name name_walls = {"/sonopack/walls/contacts", "1",
@@ -44,6 +45,8 @@ static const sp_h5_name name_kn = {"/sonopack/contacts/normal_stiffness", "E* d"
                                    "stiffnesses that are given; 0: Hertz's at the overlap"};
 static const sp_h5_name name_kt = {"/sonopack/contacts/tangential_stiffness", "E* d",
                                    "stiffnesses that are given; 0 where the normal stiffness is 0: Mindlin's"};
+static const sp_h5_name name_mu = {"/sonopack/contacts/friction", "1",
+                                   "Coulomb's coefficient of the contact; 0: that of the packing"};
 static const sp_h5_name name_rattler = {"/sonopack/rattler", "1",
                                         "1: fewer than the force-carrying contacts (F_n > 1e-4 p) that hold a grain"};
 static const sp_h5_name name_dim = {"/sonopack/dimension", "1", "dimension: 1, 2 or 3; the last axis is up"};
@@ -83,7 +86,8 @@ static const struct contact_part {
 } part[] = {
     {&name_normal, offsetof(sp_contact, n), true, false}, {&name_overlap, offsetof(sp_contact, overlap), false, false},
     {&name_fn, offsetof(sp_contact, fn), false, false},   {&name_ft, offsetof(sp_contact, ft), true, false},
-    {&name_kn, offsetof(sp_contact, kn), false, true},    {&name_kt, offsetof(sp_contact, kt), false, true}};
+    {&name_kn, offsetof(sp_contact, kn), false, true},    {&name_kt, offsetof(sp_contact, kt), false, true},
+    {&name_mu, offsetof(sp_contact, mu), false, true}};
 enum { PARTS = sizeof part / sizeof *part };
 
 static const sp_h5_shape single = {0};
@@ -168,6 +172,8 @@ static void put_grains(sp_h5 *h, const sp_packing *p) {
     sp_h5_put(h, &name_mass, SP_H5_F64, &grains, buffer);
     if (p->mass)
         sp_h5_put(h, &name_inertia, SP_H5_F64, &grains, p->inertia);
+    if (p->species)
+        sp_h5_put(h, &name_species, SP_H5_I32, &grains, p->species);
     put_cell(h, p);
     if (h->status == SP_OK)
         h->status = sp_packing_rattlers(p, 1e-4, rattler, NULL, NULL, h->err);
@@ -200,12 +206,15 @@ static sp_h5_shape shape_of(const struct contact_part *of, int64_t contacts, int
 
 static void put_contacts(sp_h5 *h, const sp_packing *p) {
     const bool stiffnesses = sp_packing_has_stiffnesses(p);
+    bool frictions = false;
+    for (int32_t c = 0; c < p->n_contacts; c++)
+        frictions = frictions || p->contacts[c].mu > 0;
     put_partners(h, p);
     double *buffer = sp_h5_alloc(h, (int64_t)p->dim * p->n_contacts, sizeof *buffer);
     for (const struct contact_part *of = part; buffer && of < part + PARTS; of++) {
         const size_t width = of->vector ? (size_t)p->dim : 1;
         const sp_h5_shape shape = shape_of(of, p->n_contacts, p->dim);
-        if (of->optional && !stiffnesses)
+        if (of->optional && !(of->name == &name_mu ? frictions : stiffnesses))
             continue;
         for (size_t c = 0; c < (size_t)p->n_contacts; c++)
             memcpy(buffer + c * width, (const char *)&p->contacts[c] + of->offset, width * sizeof *buffer);
@@ -318,7 +327,11 @@ static void get_grains(sp_h5 *h, sp_packing *p) {
         memcpy(p->x + 3 * i, buffer + dim * i, dim * sizeof *buffer);
     sp_free(buffer);
     sp_h5_get(h, name_radius.path, SP_H5_F64, &grains, p->r);
-    if (!sp_h5_has(h, name_inertia.path))
+    if (h->status == SP_OK && sp_h5_has(h, name_species.path)) {
+        h->status = sp_packing_alloc_species(p, h->err);
+        sp_h5_get(h, name_species.path, SP_H5_I32, &grains, p->species);
+    }
+    if (h->status != SP_OK || !sp_h5_has(h, name_inertia.path))
         return;
     h->status = sp_packing_alloc_masses(p, h->err);
     sp_h5_get(h, name_mass.path, SP_H5_F64, &grains, p->mass);

@@ -1,5 +1,6 @@
 """Packings in two tables: what is read, what follows from Hertz's law, and the reasons of what is refused."""
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -33,6 +34,23 @@ def test_read_and_written(tmp_path):
     assert (other.pressure, other.friction, other.wall) == (2e-5, 0, "grain")
     with pytest.raises(InvalidInput, match="a file each"):
         p.save_tables(tmp_path / "g2.tsv", tmp_path / "g2.tsv")
+
+
+def test_materials(tmp_path):
+    """Tables keep masses, stiffnesses and frictions of contacts; copies keep the species of the grains too."""
+    scene = sonopack.Scene(packing={"grains": 40, "width": 8}).replace({
+        "packing.types.fraction": [0.5, 0.5], "packing.types.modulus": [1, 0.5], "packing.types.density": [1, 2],
+        "packing.types.friction": [0.5, 0.2, 0.1]})
+    p = Packing.make(scene)
+    p.save_tables(tmp_path / "g.tsv", tmp_path / "c.tsv")
+    again, copy = Packing.read_tables(tmp_path / "g.tsv", tmp_path / "c.tsv"), pickle.loads(pickle.dumps(p))
+    assert set(p.contacts["mu"]) == {0.5, 0.2, 0.1} and sorted(p.species) == [0] * 20 + [1] * 20
+    for other in (again, copy):
+        assert other.contacts.tobytes() == p.contacts.tobytes() and other.mass.tobytes() == p.mass.tobytes()
+    assert again.species is None and copy.species.tobytes() == p.species.tobytes()
+    assert p.repeated(2, 1).species.tolist() == 2 * p.species.tolist()
+    with pytest.raises(InvalidInput, match="species"):
+        Packing.from_arrays(p.x[:, :2], p.r, p.contacts, box=p.box, pressure=p.pressure, friction=p.friction, species=[0, 1])
 
 
 def test_hertz_fills_in(tmp_path):

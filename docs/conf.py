@@ -1,0 +1,84 @@
+"""The pages as a site: `./run docs` builds it in build/docs. What the program can print is printed into pages of the
+reference; the C headers become pages where doxygen is there."""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+
+from pygments.lexers.special import TextLexer
+
+HERE = pathlib.Path(__file__).resolve().parent
+BUILD = pathlib.Path(os.environ.get("SONOPACK_BUILD", HERE.parent / "build/release")).resolve()
+PRINTED = HERE / "printed"  # pages that are made here; git does not know them
+sys.path.insert(0, str(BUILD / "python"))
+
+project = "sonopack"
+author = copyright = "the sonopack authors"
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+exclude_patterns = ["studies/results"]
+root_doc = "index"
+myst_enable_extensions = ["dollarmath", "amsmath"]
+myst_heading_anchors = 4
+suppress_warnings = ["misc.highlighting_failure"]
+html_theme = "furo"
+html_title = "sonopack"
+html_show_copyright = False
+html_show_sphinx = False
+# formulas are drawn by KaTeX from the site's own files
+KATEX = "/usr/share/javascript/katex"
+mathjax_path = "site.js"
+html_static_path = [KATEX, "site.js"]
+html_css_files = ["katex.min.css"]
+html_js_files = ["katex.min.js", "contrib/auto-render.js"]
+autodoc_member_order = "groupwise"
+autodoc_typehints = "none"
+
+
+def command(*words):
+    return subprocess.run([BUILD / "sonopack", *words], check=True, capture_output=True, text=True,
+                          env={**os.environ, "COLUMNS": "100"}).stdout
+
+
+def print_pages(app):
+    """The reference of commands and keys, as the program tells them."""
+    shutil.rmtree(PRINTED, ignore_errors=True)
+    PRINTED.mkdir()
+    names = re.findall(r"^  ([a-z]+) ", command("help"), re.M)
+    pages = {"commands": "# Commands\n\n" + "\n".join(
+        f"## {name}\n\n```text\n{command(name, '--help').rstrip()}\n```\n" for name in names if name != "help")}
+    groups = {}
+    for key in re.findall(r"^([\w.]+\.\w+) = ", command("help", "scene"), re.M):
+        groups.setdefault(key.split(".")[0], []).append(f"```text\n{command('help', key).rstrip()}\n```\n")
+    pages["keys"] = "# Keys of scenes\n\n" + "\n".join(f"## {group}\n\n" + "\n".join(all) for group, all in groups.items())
+    for name, text in pages.items():
+        (PRINTED / f"{name}.md").write_text(text)
+    if shutil.which("doxygen"):
+        subprocess.run(["cmake", "--build", BUILD, "--target", "reference"], check=True, stdout=subprocess.DEVNULL)
+        shutil.copytree(BUILD / "reference/html", pathlib.Path(app.outdir) / "c", dirs_exist_ok=True)
+
+
+def plain(app, what, name, obj, options, lines):
+    """Docstrings are plain text: E* is no emphasis, and indented lines stay lines."""
+    out = []
+    for line in lines:
+        text = re.sub(r"([*`|_\\])", r"\\\1", line.strip())
+        out += ["", "| " + text, ""] if line.startswith(" ") and text else [text]
+    lines[:] = out
+
+
+def inside(app, name, source):
+    """Of links to pages that the site does not have, the text."""
+    def link(found):
+        target = (HERE / name).parent / found[2].split("#")[0]
+        outside = target.suffix == ".md" and not target.resolve().is_relative_to(HERE)
+        return found[1] if outside else found[0]
+    source[0] = re.sub(r"\[([^][]*)\]\(([^()\s]+)\)", link, source[0])
+
+
+def setup(app):
+    app.add_lexer("lammps", TextLexer)
+    app.connect("source-read", inside)
+    app.connect("builder-inited", print_pages)
+    app.connect("autodoc-process-docstring", plain)

@@ -1,0 +1,29 @@
+from spack.package import *
+
+
+class Sonopack(CMakePackage):
+    """Sound in compressed granular packings: signals, modes, moduli and speeds of frictional spheres in contact."""
+
+    license("BSD-3-Clause AND GPL-2.0-or-later")
+    version("main", branch="main")
+
+    variant("mpi", default=False, description="Studies by mpirun")
+
+    depends_on("c", type="build")
+    depends_on("ninja", type="build")
+    depends_on("pkgconfig", type="build")
+    depends_on("suite-sparse")
+    depends_on("arpack-ng")
+    depends_on("openblas")
+    depends_on("netlib-lapack+lapacke")
+    depends_on("hdf5")
+    depends_on("libconfig")
+    depends_on("random123")
+    depends_on("mpi", when="+mpi")
+    depends_on("python@3.10:", type=("build", "run"))
+    for module in ("cffi", "numpy", "scipy", "pandas", "matplotlib", "h5py"):
+        depends_on(f"py-{module}", type=("build", "run"))
+
+    def cmake_args(self):
+        return [self.define("SONOPACK_TESTS", False), self.define("SONOPACK_OWN_HDF5", False),
+                self.define_from_variant("SONOPACK_MPI", "mpi")]

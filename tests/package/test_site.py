@@ -1,0 +1,59 @@
+"""The pages as a site: built without a warning, complete, of files of its own; and no misspelt words in what we wrote.
+
+usage: test_site.py BUILD_DIR SOURCE_DIR
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+BUILD, SOURCE = map(pathlib.Path, sys.argv[1:3])
+#: names, and words of tests that are misspelt on purpose
+KNOWN = "statics,mater,workd,lates,widht,upto,exponant,makse,fro,commun,bu"
+WRITTEN = (".md", ".c", ".h", ".py", ".inc", ".1", ".js", ".html")
+OTHERS = ("/three/", "/results/", "/samples/", "/build/")
+
+
+def built(folder):
+    source, site = folder / "tree/docs", folder / "site"
+    shutil.copytree(SOURCE / "docs", source)
+    for other in SOURCE.iterdir():  # what pages link to
+        if other.name not in ("docs", "build", ".git"):
+            (folder / "tree" / other.name).symlink_to(other)
+    done = subprocess.run(["sphinx-build", "-q", "-W", "--keep-going", "-b", "html", source, site], capture_output=True,
+                          text=True, env={**os.environ, "SONOPACK_BUILD": str(BUILD)})
+    assert done.returncode == 0, done.stderr
+    return site
+
+
+def check_pages(site):
+    pages = {page: page.read_text() for page in site.rglob("*.html") if "c/" not in str(page.relative_to(site))}
+    for page in SOURCE.glob("docs/**/*.md"):
+        html = site / page.relative_to(SOURCE / "docs").with_suffix(".html")
+        assert html in pages or "results" in str(page) or "printed" in str(page), page
+    for page, text in pages.items():
+        away = re.findall(r"<(?:script|link|img)[^>]*(?:src|href)=\"(https?:[^\"]+)", text)
+        assert not away, (page, away)
+    commands = pages[site / "printed/commands.html"]
+    assert all(f'id="{name}"' in commands for name in ("pack", "signal", "modes", "moduli", "trace"))
+    assert "packing.types.friction" in pages[site / "printed/keys.html"]
+    assert "sonopack.Packing.from_arrays" in pages[site / "api/python.html"]
+    assert (site / "searchindex.js").stat().st_size > 10000 and list(site.glob("_static/fonts/*.woff2"))
+
+
+def check_spelling():
+    files = [path for path in SOURCE.rglob("*") if path.suffix in WRITTEN and path.is_file()
+             and not any(part in str(path) for part in OTHERS)]
+    done = subprocess.run(["codespell", "-L", KNOWN, *files], capture_output=True, text=True)
+    assert done.returncode == 0 and len(files) > 500, done.stdout
+
+
+if not all(map(shutil.which, ("sphinx-build", "codespell"))):
+    print("sphinx-build and codespell are not there")
+    sys.exit(77)
+with tempfile.TemporaryDirectory(prefix="sonopack-site-") as place:
+    check_pages(built(pathlib.Path(place)))
+check_spelling()
