@@ -45,9 +45,9 @@ overlap, found by overlap:
   sonopack convert grains.dump P.h5 --contacts contacts.dump --set friction=0.5
 --set then takes dimension, up, cell (piston, periodic, box or ring: that of the file), sides, across, width,
 depth, bottom, top, height, left, right, front, back, inner, outer, x0, y0, xy, xz, yz, gravity, pressure,
-friction, poisson, wall, wall_modulus, wall_kn, digits, first_id (docs/formats.md). For our own tables: box and material are in comment lines `# key = value' or in
---set key=value: width, depth (3D), height, cell, xy, xz, yz, gravity, pressure, friction, poisson, wall,
-material, seed. Lengths are in mean grain diameters, pressures in E*.
+friction, poisson, wall, wall_modulus, wall_kn, digits, first_id (docs/formats.md). For our own tables: box and
+material are in comment lines `# key = value' or in --set key=value: width, depth (3D), height, cell, xy, xz,
+yz, gravity, pressure, friction, poisson, wall, material, seed. Lengths are in mean grain diameters, pressures in E*.
 
 Endings of OUT for other programs: .vtp (ParaView, OVITO: also NAME-contacts.vtp, NAME-walls.vtp and
 NAME.vtm), .pvd (ParaView: a series of snapshots, NAME-0000.vtp and so on), .data and .dump (LAMMPS), .xyz

@@ -155,8 +155,10 @@ def not_usual(r: Floats, mass: Floats, inertia: Floats) -> tuple[Floats | None, 
 
 
 def _fit_ring(w: Work) -> None:
-    """The circles that pass nearest to the points of contact with the rings. Forces stay what they are."""
-    links = w.links
+    """The circles that pass nearest to the points of contact with the rings, but for what is given. Forces stay what
+    they are."""
+    links, names = w.links, (f"{w.name_of(0)}0", f"{w.name_of(1)}0", *RINGS)
+    free = np.array([not w.o.given(name) for name in names])
     c = np.flatnonzero((links.j < 0) & (links.fn > 0))
     i, far = links.i[c], (links.j[c] == -2)
     if min(far.sum(), (~far).sum()) < 3:
@@ -166,7 +168,8 @@ def _fit_ring(w: Work) -> None:
     for _ in range(20):
         out, level = w.ring_of(w.x[i])
         miss = np.where(far, level - w.edge[1] + w.r[i] - links.overlap[c], level - w.r[i] + links.overlap[c])
-        step, *_ = np.linalg.lstsq(np.stack([*out[:, :2].T, ~far, far], axis=1).astype(float), miss, rcond=None)
+        step = np.zeros(4)
+        step[free] = np.linalg.lstsq(np.stack([*out[:, :2].T, ~far, far], axis=1).astype(float)[:, free], miss, rcond=None)[0]
         inner, outer = inner + step[2], outer + step[3]
         low = low + step[:2] - (outer - 0.5 * w.edge[0])
         w.x[:, :2] += 0.5 * (2 * outer - w.edge[0]) - step[:2]
@@ -177,8 +180,7 @@ def _fit_ring(w: Work) -> None:
     links.n[c], links.fn[c] = walls.n, -dot(force, walls.n)
     links.ft[c] = force + links.fn[c, None] * walls.n
     rms = float(np.sqrt(np.mean(miss**2)))
-    values = (*(low + outer), inner, outer)
-    text = ", ".join(f"{key}={float(v) / w.scale:.8g}" for key, v in zip((f"{w.name_of(0)}0", f"{w.name_of(1)}0", *RINGS), values))
+    text = ", ".join(f"{key}={float(v) / w.scale:.8g}" for key, v in zip(names, (*(low + outer), inner, outer)))
     w.note(f"rings through their {len(c)} contacts: {text}; these lie within {w.length_text(rms)} of them (rms)")
 
 

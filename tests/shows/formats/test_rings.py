@@ -13,6 +13,7 @@ from scipy.special import j1, y1
 
 from sonopack import Material, Packing, Scene, SonopackError
 from sonopack.formats import command
+from sonopack.formats.options import RINGS
 from sonopack.traces import arrivals, line, read
 
 INNER, OUTER = 3.0, 10.0
@@ -217,6 +218,38 @@ def test_rings_are_found(annulus, ring, tmp_path, noise):
     assert found.front().t10 == pytest.approx(ring.front().t10, rel=1e-5 if noise == 0 else 0.02)
     assert noise > 0 or found.pressure == pytest.approx(ring.pressure, rel=1e-6)
     assert "contacts: x0=1" in "\n".join(found.report.lines("it")).replace("rings through their 75 ", "")
+
+
+def test_given_values_stay(annulus, tmp_path):
+    path, words = annulus.write(tmp_path, False, 0.01)
+    p = Packing.read(path, **words, **DISKS, walls="balance", cell="ring", outer=KNOWN["outer"])
+    assert p.box[0] == pytest.approx(2 * OUTER, rel=1e-12) and p.box[1] != OUTER - INNER
+    p = Packing.read(path, **words, **DISKS, walls="balance", x0=KNOWN["x0"], y0=KNOWN["y0"], inner=KNOWN["inner"])
+    assert 0.5 * p.box[0] - p.box[1] == pytest.approx(INNER, rel=1e-12)
+
+
+def test_walls_of_a_dump(annulus, ring, tmp_path):
+    """Forces and points of contact with cylinders, as `fix wall/gran/region ... contacts` of LAMMPS has them."""
+    rows = [[0.0] * 14 for _ in range(annulus.n)]
+    for k in range(annulus.n):
+        for wall in (-1, -2):
+            for i in np.flatnonzero((annulus.i == k) & (annulus.j == wall)):
+                out = annulus.x[k] / np.hypot(*annulus.x[k]) * (-1 if wall == -2 else 1)
+                point = annulus.x[k] * (INNER if wall == -1 else OUTER) / np.hypot(*annulus.x[k])
+                force = annulus.kn[i] * annulus.overlap[i] * out
+                rows[k][7 * (-1 - wall):7 * (-wall)] = [1.0, *force, 0.0, *point, 0.0]
+    box = "ITEM: BOX BOUNDS ff ff pp\n-10 10\n-10 10\n-0.5 0.5\n"
+    names = " ".join(f"f_{wall}[{k}]" for wall in RINGS for k in range(1, 8))
+    (tmp_path / "g").write_text(f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{annulus.n}\n{box}ITEM: ATOMS id x y z radius {names}\n" + "".join(
+        f"{k + 1} {x!r} {y!r} 0 {r!r} {' '.join(repr(float(v)) for v in row)}\n"
+        for k, ((x, y), r, row) in enumerate(zip(annulus.x.tolist(), annulus.r.tolist(), rows))))
+    pairs = annulus.j >= 0
+    (tmp_path / "c").write_text(f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n{pairs.sum()}\n{box}ITEM: ENTRIES id1 id2 fn kn kt\n" + "".join(
+        f"{i + 1} {j + 1} {KN * o!r} {KN} {0.4 * KN}\n"
+        for i, j, o in zip(annulus.i[pairs].tolist(), annulus.j[pairs].tolist(), annulus.overlap[pairs].tolist())))
+    p = Packing.read(tmp_path / "g", contacts=tmp_path / "c", friction=0.5, cell="ring", wall_kn=2 * KN, kt_ratio=0.4)
+    assert np.allclose(p.box, ring.box, rtol=1e-9) and p.pressure == pytest.approx(ring.pressure, rel=1e-9)
+    assert np.allclose(p.contacts["kn"], ring.contacts["kn"], rtol=1e-9)
 
 
 def dump(p, folder, digits):
