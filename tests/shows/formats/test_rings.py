@@ -390,3 +390,9 @@ def test_listed_walls_must_be_near(annulus, tmp_path):
     path, own = annulus.write(tmp_path, True, names=("bottom", "top"))
     with pytest.raises(SonopackError, match=r"\d+ of \d+ contacts with the top wall .* up to 1\d.\d d"):
         Packing.read(path, **own, **DISKS)
+
+
+def test_own_tables_must_be_near(piston, tmp_path):
+    piston.save_tables(tmp_path / "g.tsv", tmp_path / "c.tsv")
+    with pytest.raises(SonopackError, match=r"c.tsv:\d+: grain \d+ is 5.* d from the top wall that it touches"):
+        Packing.read_tables(tmp_path / "g.tsv", tmp_path / "c.tsv", {"height": piston.height + 5})
