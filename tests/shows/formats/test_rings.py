@@ -206,6 +206,16 @@ def test_speed_with_its_error(ring, tmp_path):
     assert 0 < found.error < 0.1 * found.speed and abs(found.speed - 1 / np.polyfit(*rows.T, 1)[0]) < 2 * found.error
 
 
+def test_speed_and_errors_of_the_measurement(ring, tmp_path):
+    """One factor of all stiffnesses, with a standard deviation of 4%, gives 2% of the speed."""
+    ring.save(tmp_path / "ring.h5")
+    rows = sonopack("uncertainty", tmp_path / "ring.h5", "--calibration", 0.04, "--samples", 40, "--front-only").splitlines()
+    head, last = (row.split("\t") for row in (next(row for row in rows if row.startswith("quantity")), rows[-1]))
+    c = dict(zip(head, last))
+    assert c["quantity"] == "c" and float(c["value"]) == pytest.approx(ring.height / ring.front().t10, rel=1e-6)
+    assert abs(float(c["sd"]) - 0.02 * float(c["value"])) < 4 * float(c["sd_err"]) < 0.02 * float(c["value"])
+
+
 # ---- what files do not say ------------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("noise", [0.0, 0.01])
