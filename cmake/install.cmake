@@ -7,8 +7,14 @@ install(TARGETS ${components} EXPORT sonopackTargets
   RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS sonopack_command RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY include/sonopack DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN "*.h")
-install(FILES docs/man/sonopack.1 DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 # The command writes them from its own tables of options.
+set(man_page ${PROJECT_BINARY_DIR}/sonopack.1)
+set(man_page_sources ${PROJECT_SOURCE_DIR}/cmake/man.sh ${PROJECT_SOURCE_DIR}/docs/man/sonopack.1.in)
+add_custom_command(OUTPUT ${man_page}
+  COMMAND sh ${PROJECT_SOURCE_DIR}/cmake/man.sh $<TARGET_FILE:sonopack_command> ${PROJECT_SOURCE_DIR}/docs/man/sonopack.1.in
+    > ${man_page}
+  DEPENDS sonopack_command $<$<TARGET_EXISTS:sonopack_python>:sonopack_python> ${man_page_sources} VERBATIM)
+install(FILES ${man_page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 set(completions ${PROJECT_BINARY_DIR}/completions)
 add_custom_command(OUTPUT ${completions}/sonopack ${completions}/_sonopack ${completions}/sonopack.fish
   COMMAND ${CMAKE_COMMAND} -E make_directory ${completions}
@@ -17,7 +23,7 @@ add_custom_command(OUTPUT ${completions}/sonopack ${completions}/_sonopack ${com
   COMMAND sonopack_command completion fish > ${completions}/sonopack.fish
   DEPENDS sonopack_command VERBATIM)
 add_custom_target(sonopack_completions ALL
-  DEPENDS ${completions}/sonopack ${completions}/_sonopack ${completions}/sonopack.fish)
+  DEPENDS ${completions}/sonopack ${completions}/_sonopack ${completions}/sonopack.fish ${man_page})
 install(FILES ${completions}/sonopack DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions)
 install(FILES ${completions}/_sonopack DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions)
 install(FILES ${completions}/sonopack.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d)

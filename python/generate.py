@@ -37,7 +37,7 @@ INPUTS = re.compile(r"_(options|spec|range|place|hooks|pulse|probe|watcher|made|
 
 # Structs that objects own, and what of them is no member: parts that the object gives in another way.
 OWNED = {"sp_packing": "n_contacts mass inertia species box tilt", "sp_modes": "dofs vectors factors solves", "sp_damped_modes": "",
-         "sp_complex_modes": "", "sp_response": "", "sp_local_moduli": "", "sp_clusters": "",
+         "sp_complex_modes": "dofs right right_im left left_im", "sp_response": "", "sp_local_moduli": "", "sp_clusters": "",
          "sp_network": "n_all rattlers n_springs box prestress omega_bound carried skew soft tilt", "sp_signal": "",
          "sp_dos": "", "sp_transmission": "", "sp_dispersion": "", "sp_harmonic": "refused reason", "sp_continuum": "",
          "sp_coherent_section": "", "sp_uncertainty": "n quantity", "sp_design": "packing", "sp_coda": ""}

@@ -28,13 +28,14 @@ typedef struct sp_clusters {
     int32_t n, springs; /* grains and contacts of the network */
     int32_t count;      /* clusters */
     int32_t *bars;      /* [springs] of each contact; 0 for walls that are left out */
-    int32_t *cluster;   /* [springs] of each contact, or -1 */
+    int32_t *cluster;   /* [springs] of each contact, or -1. A contact of smooth spheres in space may be the hinge of
+                           several: the largest */
     int32_t *redundant; /* [springs] 1: a bar of this contact may be removed and nothing more can move (it is part of
                            an overconstrained region); 0: each of its bars holds a motion that no other holds */
     int32_t *of_grain;  /* [n] the cluster of a grain, or -1. Without friction a grain may belong to several: the
                            largest */
     int32_t *grains;    /* [count] grains of each cluster */
-    int32_t *contacts;  /* [count] contacts of each cluster */
+    int32_t *contacts;  /* [count] contacts of each cluster, hinges included */
     int32_t *spans;     /* [count] bit a: it touches both walls across axis a */
     int32_t *wraps;     /* [count] bit a: its contacts lead around the period of axis a */
     int64_t bars_all;   /* number of bars */
@@ -48,8 +49,7 @@ typedef struct sp_clusters {
 SP_API sp_clusters sp_clusters_none(void);
 
 /* p: the packing of the network. Rattlers are left out; prestress and stiffnesses do not matter. SP_EINVAL for an
- * invalid option. SP_EREFUSED for chains, for the game in 3D, for motions in 3D without friction, and where rounding
- * does not tell rigid from soft. */
+ * invalid option. SP_EREFUSED for chains, for the game in 3D, and where rounding does not tell rigid from soft. */
 SP_API sp_status sp_clusters_make(const sp_packing *p, const sp_network *net, const sp_clusters_options *opt,
                                   sp_clusters *out, sp_error *err);
 SP_API void sp_clusters_free(sp_clusters *c);

@@ -151,26 +151,38 @@ enum { SP_STABILITY_MAX = 6000 }; /* largest nonsymmetric problem, in degrees of
  * omega, then growth. The signal is F(t) = sum exp(growth t) (cosine cos(omega t) + sine sin(omega t)). */
 typedef struct sp_complex_modes {
     int64_t n, rattlers, pairs; /* rows; those of rattlers; complex pairs of eigenvalues */
+    int64_t dofs;               /* length of an eigenvector */
     double *omega, *growth;     /* [n] [sqrt(E* / rho)/d] */
     double *error;              /* [n] bound of |growth + i omega - exact| [sqrt(E* / rho)/d] */
     double *cosine, *sine;      /* [n] amplitudes, without a bound; NAN without contacts at a wall [E* d^2] */
-    int64_t zero, first;        /* of the lowest ones: zero motions, which have no rows; those and rattlers' */
-    bool sparse;                /* of the lowest ones: not from LAPACK */
-    double complete;            /* no motion with omega below it is missing, but zero motions [sqrt(E* / rho)/d] */
+    double *right, *right_im;   /* [n - rattlers][dofs] real and imaginary parts of e with A e = z e, A = M^(-1/2) J
+                                   M^(-1/2), z = -(growth + i omega)^2: the motion is M^(-1/2) e exp((growth + i omega)
+                                   t). |e| = 1, and its largest component is positive. NULL without vectors */
+    double *left, *left_im; /* [n - rattlers][dofs] f with A^T f = z f and f . e = 1 (not conjugate), 0 with the e of
+                               other z; |f| is the condition number of z. NULL without vectors */
+    double residual; /* largest |A e - z e| and |A^T f - z f|/|f| over the square of the bound of all frequencies: e and
+                        f are exact for matrices that differ from A by so much; NAN without vectors */
+    double orthogonality; /* largest |f_m . e_n - delta_mn|; NAN without vectors */
+    int64_t zero, first;  /* of a part: zero motions, which have no rows; all motions below row 0 */
+    int64_t on_edge;      /* of a band: motions within their own error of an end; these are included */
+    bool sparse;          /* of a part: not from LAPACK */
+    double complete;      /* no motion with omega below it is missing, but zero motions [sqrt(E* / rho)/d] */
 } sp_complex_modes;
 SP_API sp_complex_modes sp_complex_modes_none(void);
-/* All of them, with LAPACK: minutes and 32 n^2 bytes at SP_STABILITY_MAX degrees of freedom. The errors are those of
- * discs that contain the eigenvalues (Gershgorin). Serves a symmetric J, too. SP_EREFUSED above that size, and if the
- * vectors are nearly dependent. */
-SP_API sp_status sp_complex_modes_make(const sp_network *net, sp_source source, sp_complex_modes *out, sp_error *err);
-/* The `lowest` motions in the order of omega, then growth, and all that share the last omega, as a pair does; without
- * rattlers and zero motions: the spins of spheres with two contacts and whole translations, which are the eigenvalues
- * nearest to 0, and those that are 0 within their errors. For networks of any size, if few are wanted: two-sided
- * Davidson iteration with a factor of the symmetric part. Discs contain the eigenvalues, and none with a lower omega is
- * missing: the inertia of the symmetric part bounds those that were not found. SP_EREFUSED if this cannot be proved,
- * and without convergence. */
-SP_API sp_status sp_complex_modes_lowest(const sp_network *net, const sp_modes_options *opt, int64_t lowest,
-                                         sp_complex_modes *out, sp_error *err);
+/* All of them, with LAPACK: minutes and 32 n^2 bytes at SP_STABILITY_MAX degrees of freedom, 64 with vectors. The
+ * errors are those of discs that contain the eigenvalues (Gershgorin). Serves a symmetric J, too.
+ *
+ * Or a part: the `lowest` motions in the order of omega, then growth, and all that share the last omega, as a pair
+ * does; or those of a band. Both without rattlers and zero motions: the spins of spheres with two contacts and whole
+ * translations, which are the eigenvalues nearest to 0, and those that are 0 within their errors. For networks of any
+ * size, if few are wanted, or lie below the end of the band: two-sided Davidson iteration with a factor of the
+ * symmetric part. Discs contain the eigenvalues, and none with a lower omega is missing: the inertia of the symmetric
+ * part bounds those that were not found.
+ *
+ * SP_EINVAL for ARPACK, and for an invalid range, also with `zero`. SP_EREFUSED above the size of LAPACK's, if the
+ * vectors are nearly dependent, if it cannot be proved that none is missing, and without convergence. */
+SP_API sp_status sp_complex_modes_make(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
+                                       sp_complex_modes *out, sp_error *err);
 SP_API void sp_complex_modes_free(sp_complex_modes *m);
 
 typedef enum sp_modes_verdict {

@@ -24,6 +24,14 @@ WAVE_FIT = _core.dtype_of("sp_wave_fit")
 CONTINUUM_ROW = _core.dtype_of("sp_continuum_row")
 
 
+def _save(modes: Modes | ComplexModes, path: Path, save: Any) -> None:
+    if os.path.splitext(os.fspath(path))[1] not in (".h5", ".hdf5"):
+        raise _core.invalid("", f"{os.fspath(path)}: the ending of a file of modes must be .h5")
+    network = modes.network
+    made = ffi.new("sp_modes_made *", {"network": network._options[0], "source": modes._options.source})
+    call(save, modes._c, network.packing._c, network._c, made, c_path(path))
+
+
 class Modes(_fields.Modes):
     """Modes of a network, sorted by omega; rattlers' zero modes come first. Made by network.modes().
 
@@ -76,10 +84,7 @@ class Modes(_fields.Modes):
     @documented("sp_modes_save")
     def save(self, path: Path) -> None:
         """Writes modes and vectors to HDF5, as `sonopack modes --vectors FILE.h5` does."""
-        if os.path.splitext(os.fspath(path))[1] not in (".h5", ".hdf5"):
-            raise _core.invalid("", f"{os.fspath(path)}: the ending of a file of modes must be .h5")
-        made = ffi.new("sp_modes_made *", {"network": self.network._options[0], "source": self._options.source})
-        call(lib.sp_modes_save, self._c, self.network.packing._c, self.network._c, made, c_path(path))
+        _save(self, path, lib.sp_modes_save)
 
     def __len__(self) -> int:
         return self.n
@@ -110,16 +115,46 @@ class DampedModes(_fields.DampedModes):
 
 
 class ComplexModes(_fields.ComplexModes):
-    """Motions of a network with prestress and friction, which may grow. Made by network.complex_modes()."""
+    """Motions of a network with prestress and friction, which may grow. Made by network.complex_modes().
 
-    def __init__(self, network: Network, source: str, lowest: int | None, solver: str, threads: int) -> None:
+    A row moves as the real part of displacement(row) exp((growth + i omega) t).
+    """
+
+    _missing = Modes._missing
+
+    def __init__(self, network: Network, span: Any, **options: Any) -> None:
         self.network = network
-        self._c = _core.new("sp_complex_modes", lib.sp_complex_modes_free, lib.sp_complex_modes_none)
-        options = _core.options_of("sp_modes_options", {"source": source, "solver": solver, "threads": threads})
-        if lowest is None:
-            call(lib.sp_complex_modes_make, network._c, options.source, self._c)
-        else:
-            call(lib.sp_complex_modes_lowest, network._c, options, lowest, self._c)
+        self._options = _core.options_of("sp_modes_options", options)
+        self._make(network._c, self._options, span)
+
+    def _complex(self, name: str, rows: Any = slice(None)) -> npt.NDArray[np.complex128]:
+        parts = [getattr(self._c, name), getattr(self._c, f"{name}_im")]
+        if parts[0] == ffi.NULL:
+            raise AttributeError(f"{name}: {self._missing}")
+        shape = self.n - self.rattlers, self.network.n, self.network.dof
+        re, im = (_core.view(self._c, part, shape) for part in parts)
+        return re[rows] + 1j * im[rows]  # type: ignore[no-any-return]
+
+    @property
+    def right(self) -> npt.NDArray[np.complex128]:
+        """Right eigenvectors e [n - rattlers][grains of the network][dof], weighted with the masses; a copy."""
+        return self._complex("right")
+
+    @property
+    def left(self) -> npt.NDArray[np.complex128]:
+        """Left eigenvectors f, of the same shape, with the sum of f e = 1; a copy."""
+        return self._complex("left")
+
+    def displacement(self, row: int) -> npt.NDArray[np.complex128]:
+        """Complex displacements [n][dof] in the mode of a row of omega, at t = 0."""
+        if not self.rattlers <= row < self.n:
+            raise _core.invalid("row", f"{row}: must be {self.rattlers} .. {self.n - 1}")
+        return self._complex("right", row - self.rattlers) / self.network.mass**0.5
+
+    @documented("sp_complex_modes_save")
+    def save(self, path: Path) -> None:
+        """Writes modes and vectors to HDF5, as `sonopack modes --vectors FILE.h5` does."""
+        _save(self, path, lib.sp_complex_modes_save)
 
 
 class Response(_fields.Response):

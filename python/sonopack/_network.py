@@ -66,6 +66,19 @@ class Elasticity(InSI):
                 f"c {list(self.c.shape)}>")
 
 
+def _span(lowest: int | None, band: tuple[float, float] | None, zero: bool = False) -> Any:
+    """Which modes."""
+    if lowest is not None and band is not None:
+        raise _core.invalid("band", "cannot be combined with lowest")
+    span = lib.sp_modes_range_all()
+    if lowest is not None:
+        span = lib.sp_modes_range_lowest(int(lowest))
+    elif band is not None:
+        span = lib.sp_modes_range_band(*_core.pair(band, "band"))
+    span.zero = zero
+    return ffi.new("sp_modes_range *", span)
+
+
 class Network(_fields.Network):
     """The springs between the grains that carry force, with fixed walls or in a periodic cell: M u'' = -K u.
 
@@ -170,27 +183,18 @@ class Network(_fields.Network):
 
         vectors=False: frequencies only, much faster. zero: with lowest, all zero modes too, in front of the others.
         """
-        if lowest is not None and band is not None:
-            raise _core.invalid("band", "cannot be combined with lowest")
-        span = lib.sp_modes_range_all()
-        if lowest is not None:
-            span = lib.sp_modes_range_lowest(int(lowest))
-        elif band is not None:
-            span = lib.sp_modes_range_band(*_core.pair(band, "band"))
-        span.zero = zero
-        return Modes(self, ffi.new("sp_modes_range *", span), vectors=vectors, source=source, solver=solver,
-                     threads=threads)
+        return Modes(self, _span(lowest, band, zero), vectors=vectors, source=source, solver=solver, threads=threads)
 
     @documented("sp_damped_modes_make")
     def damped_modes(self, damping: float | str, source: str = "impulse") -> DampedModes:
         """Modes with dashpots at all contacts: a fraction of critical damping, or words such as "gamma:0.01"."""
         return DampedModes(self, damping, source)
 
-    @documented("sp_complex_modes_lowest")
-    def complex_modes(self, source: str = "impulse", *, lowest: int | None = None, solver: str = "auto",
-                      threads: int = 1) -> ComplexModes:
-        """Modes with prestress and friction, of which some may grow: all of them, or the lowest."""
-        return ComplexModes(self, source, lowest, solver, threads)
+    @documented("sp_complex_modes_make")
+    def complex_modes(self, source: str = "impulse", *, lowest: int | None = None, band: tuple[float, float] | None = None,
+                      vectors: bool = True, solver: str = "auto", threads: int = 1) -> ComplexModes:
+        """Modes with prestress and friction, of which some may grow: all of them, the lowest, or those of a band."""
+        return ComplexModes(self, _span(lowest, band), vectors=vectors, source=source, solver=solver, threads=threads)
 
     @documented("sp_response_make")
     def respond(self, load: str, at: int = 0, axis: int = 0) -> Response:

@@ -25,6 +25,13 @@ typedef struct arguments {
     int64_t mode; /* < 0: not given */
 } arguments;
 
+static sp_modes_options options_of(const arguments *a, bool vectors) {
+    return (sp_modes_options){.vectors = vectors,
+                              .source = (sp_source)a->source,
+                              .solver = (sp_modes_solver)a->solver,
+                              .threads = a->common.threads};
+}
+
 /* The same comments in all tables that count zero modes. */
 void cli_zero_modes(cli_writer *w, const sp_zero_modes *z) {
     if (z->total >= 0)
@@ -61,50 +68,6 @@ static sp_status damped(const arguments *a, const cli_file *file, cli_writer *w)
     return w->status;
 }
 
-/* ---- prestress with friction: modes that may grow --------------------------------------------------------------- */
-
-static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w) {
-    const bool signals = !a->frequencies_only, walls = sp_network_touches(&file->network, SP_BOTTOM);
-    const sp_modes_options o = {
-        .source = (sp_source)a->source, .solver = (sp_modes_solver)a->solver, .threads = a->common.threads};
-    const int64_t lowest = a->range.lowest;
-    char complete[SP_NUMBER_TEXT];
-    sp_complex_modes m = sp_complex_modes_none();
-    cli_comment(w, "file = %s", file->path);
-    if ((a->part && lowest == 0) || a->vectors || a->zero || a->solver == SP_SOLVER_ARPACK)
-        w->status = sp_fail(w->err, SP_EREFUSED,
-                            "modes with prestress and friction: must be all of them or --lowest K, without --vectors, "
-                            "--zero and --solver arpack");
-    CLI_THEN(w->status, lowest > 0 ? sp_complex_modes_lowest(&file->network, &o, lowest, &m, w->err)
-                                   : sp_complex_modes_make(&file->network, o.source, &m, w->err));
-    cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
-    cli_columns(w, SP_COLUMN_NUMBER, "omega", FREQUENCY, "growth", FREQUENCY, NULL);
-    if (signals)
-        cli_columns(w, SP_COLUMN_NUMBER, "cosine", "E* d^2", "sine", "E* d^2", NULL);
-    cli_columns(w, SP_COLUMN_NUMBER, "error", FREQUENCY, NULL);
-    cli_value(w, "pressure", file->packing.pressure);
-    cli_comment(w, "dimension = %d", file->network.dim);
-    cli_comment(w, "carrying = %d", file->network.n);
-    cli_comment(w, "rattler_modes = %lld", (long long)file->network.rattlers * file->network.dof);
-    if (lowest > 0)
-        cli_comment(w, "zero_motions = %lld", (long long)m.zero);
-    cli_comment(w, "pairs = %lld", (long long)m.pairs);
-    if (signals)
-        cli_comment(w, "source = %s", walls ? cli_source_names[a->source] : "none");
-    cli_comment(w, "skew = %.3g", sp_network_skew(&file->network));
-    cli_comment(w, "method = %s", m.sparse ? "sparse" : "dense");
-    if (lowest > 0)
-        cli_comment(w, "complete = 0:%s", sp_number_text(m.complete, complete));
-    for (int64_t k = 0; k < m.n && w->status == SP_OK; k++)
-        if (signals)
-            cli_row(w, m.first + k, m.omega[k], m.growth[k], walls ? m.cosine[k] : NAN, walls ? m.sine[k] : NAN,
-                    m.error[k]);
-        else
-            cli_row(w, m.first + k, m.omega[k], m.growth[k], m.error[k]);
-    sp_complex_modes_free(&m);
-    return w->status;
-}
-
 /* ---- --stability: whether any motion grows ----------------------------------------------------------------------- */
 
 static const char *const verdicts[] = {
@@ -136,15 +99,25 @@ static sp_status stability(const cli_file *file, cli_writer *w) {
 
 /* ---- --vectors: of all modes as a file, or the displacements of one as a table ----------------------------------- */
 
-static void displacement_comments(const cli_file *file, const sp_modes *m, int64_t row, cli_writer *w) {
-    cli_motion_comments(file, "mode", w);
-    cli_comment(w, "mode = %lld", (long long)(m->first + row));
-    cli_value(w, "omega", m->omega[row]);
-    cli_value(w, "omega_error", m->error[row]);
-    cli_value(w, "vector_error", sp_modes_vector_error(m, &file->network, row));
-    cli_comment(w, "u = M^(-1/2) e with |e| = 1; vector_error is a bound of |e - exact|");
-    cli_comment(w, "rattlers = %d, which are left out", file->network.rattlers);
+/* Whether there is the mode of --mode, and a table can say what it belongs to. */
+static sp_status check_mode(const arguments *a, const cli_file *file, int64_t first, int64_t end, sp_error *err) {
+    if (a->mode < first || a->mode >= end)
+        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in %lld .. %lld", (long long)a->mode, (long long)first,
+                       (long long)(end - 1));
+    if (file->scene->network.tangential != SP_SPRINGS_CONSTANT)
+        return sp_fail_key(err, SP_EREFUSED, "network.tangential",
+                           ": must be \"constant\" for a table of displacements, which cannot say otherwise");
+    return SP_OK;
 }
+
+/* This mode: a vector, or its real part; one more number and what its name and the vector mean. */
+typedef struct shown {
+    double omega, error;
+    const double *e;
+    const char *name;
+    double number;
+    const char *meaning;
+} shown;
 
 static void displacement_rows(const sp_network *net, const double *e, cli_writer *w) {
     double u[6];
@@ -155,21 +128,20 @@ static void displacement_rows(const sp_network *net, const double *e, cli_writer
     }
 }
 
-static sp_status write_displacements(const arguments *a, const cli_file *file, const sp_modes *m, sp_error *err) {
-    const int64_t row = a->mode - m->first;
+static sp_status write_displacements(const arguments *a, const cli_file *file, const shown *m, sp_error *err) {
     sp_table t = sp_table_none();
     cli_writer w = {.table = &t, .err = err};
     cli_common there = a->common;
-    if (row < m->n_rattler || row >= m->n)
-        return sp_fail(err, SP_EINVAL, "--mode %lld: must be in %lld .. %lld", (long long)a->mode,
-                       (long long)(m->first + m->n_rattler), (long long)(m->first + m->n - 1));
-    if (file->scene->network.tangential != SP_SPRINGS_CONSTANT)
-        return sp_fail_key(err, SP_EREFUSED, "network.tangential",
-                           ": must be \"constant\" for a table of displacements, which cannot say otherwise");
-    cli_motion_columns(&file->network, "1/sqrt(rho d^3)", "1/sqrt(rho d^5)", &w);
-    displacement_comments(file, m, row, &w);
-    displacement_rows(&file->network, m->vectors + (row - m->n_rattler) * m->dofs, &w);
     there.format_given = false;
+    cli_motion_columns(&file->network, "1/sqrt(rho d^3)", "1/sqrt(rho d^5)", &w);
+    cli_motion_comments(file, "mode", &w);
+    cli_comment(&w, "mode = %lld", (long long)a->mode);
+    cli_value(&w, "omega", m->omega);
+    cli_value(&w, "omega_error", m->error);
+    cli_value(&w, m->name, m->number);
+    cli_comment(&w, "%s", m->meaning);
+    cli_comment(&w, "rattlers = %d, which are left out", file->network.rattlers);
+    displacement_rows(&file->network, m->e, &w);
     CLI_THEN(w.status, cli_write_table_to(&there, a->vectors, &t, err));
     sp_table_free(&t);
     return w.status;
@@ -191,9 +163,82 @@ static sp_status check_vectors(const char *path, int64_t mode, sp_error *err) {
 
 static sp_status write_vectors(const arguments *a, const cli_file *file, const sp_modes *m, sp_error *err) {
     const sp_modes_made made = {.network = file->scene->network, .source = (sp_source)a->source};
-    if (!cli_is_hdf5(a->vectors))
-        return write_displacements(a, file, m, err);
-    return sp_modes_save(m, &file->packing, &file->network, &made, a->vectors, err);
+    const int64_t row = a->mode - m->first;
+    if (cli_is_hdf5(a->vectors))
+        return sp_modes_save(m, &file->packing, &file->network, &made, a->vectors, err);
+    const sp_status status = check_mode(a, file, m->first + m->n_rattler, m->first + m->n, err);
+    if (status != SP_OK)
+        return status;
+    const shown one = {.omega = m->omega[row],
+                       .error = m->error[row],
+                       .e = m->vectors + (row - m->n_rattler) * m->dofs,
+                       .name = "vector_error",
+                       .number = sp_modes_vector_error(m, &file->network, row),
+                       .meaning = "u = M^(-1/2) e with |e| = 1; vector_error is a bound of |e - exact|"};
+    return write_displacements(a, file, &one, err);
+}
+
+/* ---- prestress with friction: modes that may grow --------------------------------------------------------------- */
+
+static sp_status write_growing(const arguments *a, const cli_file *file, const sp_complex_modes *m, sp_error *err) {
+    const sp_modes_made made = {.network = file->scene->network, .source = (sp_source)a->source};
+    const int64_t row = a->mode - m->first;
+    if (cli_is_hdf5(a->vectors))
+        return sp_complex_modes_save(m, &file->packing, &file->network, &made, a->vectors, err);
+    const sp_status status = check_mode(a, file, m->first + m->rattlers, m->first + m->n, err);
+    if (status != SP_OK)
+        return status;
+    const shown one = {.omega = m->omega[row],
+                       .error = m->error[row],
+                       .e = m->right + (row - m->rattlers) * m->dofs,
+                       .name = "growth",
+                       .number = m->growth[row],
+                       .meaning = "u = Re M^(-1/2) e with |e| = 1, whose largest component is positive"};
+    return write_displacements(a, file, &one, err);
+}
+
+static sp_status growing(const arguments *a, const cli_file *file, cli_writer *w) {
+    const bool signals = !a->frequencies_only, walls = sp_network_touches(&file->network, SP_BOTTOM);
+    const sp_modes_options o = options_of(a, a->vectors != NULL);
+    sp_modes_range range = a->range;
+    char complete[SP_NUMBER_TEXT];
+    sp_complex_modes m = sp_complex_modes_none();
+    range.zero = a->zero;
+    cli_comment(w, "file = %s", file->path);
+    w->status = sp_complex_modes_make(&file->network, &o, &range, &m, w->err);
+    cli_columns(w, SP_COLUMN_INTEGER, "n", "", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "omega", FREQUENCY, "growth", FREQUENCY, NULL);
+    if (signals)
+        cli_columns(w, SP_COLUMN_NUMBER, "cosine", "E* d^2", "sine", "E* d^2", NULL);
+    cli_columns(w, SP_COLUMN_NUMBER, "error", FREQUENCY, NULL);
+    cli_value(w, "pressure", file->packing.pressure);
+    cli_comment(w, "dimension = %d", file->network.dim);
+    cli_comment(w, "carrying = %d", file->network.n);
+    cli_comment(w, "rattler_modes = %lld", (long long)file->network.rattlers * file->network.dof);
+    if (a->part)
+        cli_comment(w, "zero_motions = %lld", (long long)m.zero);
+    cli_comment(w, "pairs = %lld", (long long)m.pairs);
+    if (signals)
+        cli_comment(w, "source = %s", walls ? cli_source_names[a->source] : "none");
+    cli_comment(w, "skew = %.3g", sp_network_skew(&file->network));
+    cli_comment(w, "method = %s", m.sparse ? "sparse" : "dense");
+    if (a->part)
+        cli_comment(w, "complete = 0:%s", sp_number_text(m.complete, complete));
+    if (m.on_edge > 0)
+        cli_comment(w, "on_edge = %lld", (long long)m.on_edge);
+    if (m.right) {
+        cli_comment(w, "residual = %.3g", m.residual);
+        cli_comment(w, "orthogonality = %.3g", m.orthogonality);
+        CLI_THEN(w->status, write_growing(a, file, &m, w->err));
+    }
+    for (int64_t k = 0; k < m.n && w->status == SP_OK; k++)
+        if (signals)
+            cli_row(w, m.first + k, m.omega[k], m.growth[k], walls ? m.cosine[k] : NAN, walls ? m.sine[k] : NAN,
+                    m.error[k]);
+        else
+            cli_row(w, m.first + k, m.omega[k], m.growth[k], m.error[k]);
+    sp_complex_modes_free(&m);
+    return w->status;
 }
 
 /* ---- options ----------------------------------------------------------------------------------------------------- */
@@ -295,8 +340,9 @@ const cli_syntax cmd_modes_syntax = {
         "participation of modes of equal frequencies are not definite. With --prestress and tangential forces at rest "
         "the table has all motions exp(growth t) (cosine cos(omega t) + sine sin(omega t)), columns n, omega, growth, "
         "cosine, sine and error, the bound of |growth + i omega - exact|: a complex pair of omega^2 has two rows, "
-        "which grow and decay (at most 6000 degrees of freedom). --lowest K gives the K lowest that are no zero "
-        "motions, of networks of any size; the comment complete says up to which omega none is missing. A packing that "
+        "which grow and decay (at most 6000 degrees of freedom). --lowest K and --band give those that are no "
+        "zero motions, of networks of any size, where few lie below; the comment complete says up to which omega none "
+        "is missing. A packing that "
         "does not touch the bottom (top) wall has no source (detector): a (b) is nan, and a comment says none. --set "
         "takes keys of the group network.\n"
         "\n"
@@ -352,10 +398,7 @@ static void add_columns(bool vectors, cli_writer *w) {
 }
 
 static sp_status undamped(const arguments *a, const cli_file *file, cli_writer *w) {
-    const sp_modes_options o = {.vectors = !a->frequencies_only,
-                                .source = (sp_source)a->source,
-                                .solver = (sp_modes_solver)a->solver,
-                                .threads = a->common.threads};
+    const sp_modes_options o = options_of(a, !a->frequencies_only);
     sp_modes_range range = a->range;
     sp_modes m = sp_modes_none();
     range.zero = a->zero;
@@ -401,13 +444,12 @@ static double expected_modes(const arguments *a, const sp_network_size *net) {
 
 static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *err) {
     const arguments *a = user;
-    if (file->network.carried && !a->stability && a->range.lowest == 0 &&
+    if (file->network.carried && !a->stability && a->range.lowest == 0 && isinf(a->range.to) &&
         sp_network_dofs(&file->network) > SP_STABILITY_MAX)
         return sp_fail(err, SP_EREFUSED, "%lld degrees of freedom, must be at most %d for modes of a nonsymmetric K",
                        (long long)sp_network_dofs(&file->network), SP_STABILITY_MAX);
     const sp_network_size net = sp_network_size_of(&file->network, sp_packing_height(&file->packing));
-    const sp_modes_options o = {
-        .vectors = !a->frequencies_only, .solver = (sp_modes_solver)a->solver, .threads = a->common.threads};
+    const sp_modes_options o = options_of(a, !a->frequencies_only);
     const double modes = fmax(0, expected_modes(a, &net));
     sp_cost cost = sp_cost_modes(&net, &o, &a->range, modes, &p->machine);
     if (a->stability || a->damping.value > 0 || file->network.carried) {
@@ -419,7 +461,8 @@ static sp_status plan(void *user, const cli_file *file, cli_plan *p, sp_error *e
     cli_plan_add(p, "modes", (int64_t)modes, cost, a->common.output ? sp_bytes_table(modes, 7) : 0);
     if (a->vectors)
         cli_plan_add(p, "vectors", a->mode >= 0 ? 1 : (int64_t)modes, (sp_cost){0},
-                     a->mode >= 0 ? sp_bytes_table(net.grains, 7) : 8 * modes * net.dofs);
+                     a->mode >= 0 ? sp_bytes_table(net.grains, 7)
+                                  : (file->network.carried ? 32 : 8) * modes * net.dofs);
     return SP_OK;
 }
 

@@ -112,6 +112,37 @@ class Dense:
         return parts({k: id(group[by[k]]) for k in range(len(by)) if by[k] and held[k]})
 
 
+    def bodies(self):
+        """Of smooth spheres in space: from each two contacts of a grain that are not in one line, with the rigid motion that
+        is the best for their three grains, all contacts whose ends follow it. {contacts: grains}"""
+        at, found = {}, {}
+        for k, (i, j) in enumerate(self.ends):
+            if j >= 0:
+                at.setdefault(int(i), []).append((k, int(j), self.arm[k]))
+                at.setdefault(int(j), []).append((k, int(i), -self.arm[k]))
+        for i, contacts in at.items():
+            for (one, p, a), (two, q, b) in itertools.combinations(contacts, 2):
+                rows = np.vstack([np.hstack([np.eye(3), self.lever(x)]) for x in (np.zeros(3), a, b)])  # v + omega x arm
+                seen = np.vstack([self.speed(grain) for grain in (i, p, q)])
+                if any(one in body and two in body for body in found) or np.linalg.norm(np.cross(a, b)) < 0.01 * np.linalg.norm(a) * np.linalg.norm(b):
+                    continue
+                best = np.linalg.lstsq(rows, seen, rcond=None)[0]
+                if np.abs(rows @ best - seen).max(initial=0) > SMALL:
+                    continue
+                place, queue, body = {i: np.zeros(3)}, [i], set()
+                for grain in queue:
+                    for k, other, arm in at[grain]:
+                        follows = best[:3] + self.lever(place[grain] + arm) @ best[3:] - self.speed(other)
+                        if np.abs(follows).max(initial=0) < SMALL:
+                            body.add(k)
+                            if other not in place:
+                                place[other] = place[grain] + arm
+                                queue.append(other)
+                found[frozenset(body)] = len(place)
+        alone = {k for ends in at.values() for k, _, _ in ends} - {k for body in found for k in body}
+        return found | {frozenset([k]): 2 for k in alone}
+
+
 def parts(number):
     found = {}
     for k, name in number.items():
@@ -139,6 +170,37 @@ def motions():
     assert several > 1 and spun > 2  # the packings are not all one cluster
 
 
+def smooth_spheres():
+    """Bodies, hinges, redundant contacts and Maxwell's count of smooth spheres against all singular values; the triangle
+    and the tetrahedra of a chain of tetrahedra that share edges turn about these."""
+    hinges = several = 0
+    for name, least, words, keys in (("ss", 1e-4, [], dict(pressure=1e-2)), ("sn", 0.2, ["--no-walls"], dict(pressure=1e-2)),
+                                     ("sp", 1e-4, ["--no-walls"], dict(pressure=1e-4)), ("sw", 0.15, [], dict(pressure=1e-4)),
+                                     ("sc", 0.1, [], dict(pressure=1e-4, cell="periodic", grains=130))):
+        shape = {} if "cell" in keys else dict(width=4.8, grains=80)
+        path = pack(f"{name}.h5", seed=2, dimension=3, friction=0, protocol="quick", **shape, **keys)
+        own = table("clusters", path, f"--threshold={least}", *words)
+        kept = own["bars"] > 0
+        dense = Dense(path, own["contact"][kept].astype(int), 1)
+        walls = len({int(j) for j in own["j"][kept] if j < 0})
+        size = 3 * (len(table("clusters", path, f"--threshold={least}", "--grains", *words)) + walls)
+        assert np.array_equal(own["redundant"][kept], dense.redundant), name
+        assert own.note("redundant_bars") == dense.bars - dense.rank and own.note("bars") == dense.bars, name
+        assert own.note("floppy_motions") == dense.floppy + (size - len(dense.motions)) - 3, name  # and grains without bars
+        assert own.note("floppy_motions") - own.note("redundant_bars") == size - dense.bars - 3, name  # Maxwell, Calladine
+        assert own.note("free_spins") == 0 and np.all(own["cluster"][own["j"] < 0] == -1), name
+        bodies = dense.bodies()
+        assert own.note("clusters") == len(bodies) and own.note("largest") == max(bodies.values(), default=0), name
+        number = own["cluster"][kept]
+        for k in np.flatnonzero(own["j"][kept] >= 0):  # the largest body of a contact, of those that hold all that has its number
+            with_it = [(grains, len(body), body) for body, grains in bodies.items() if k in body]
+            hinges += len(with_it) > 1
+            best = max(with_it)[:2]
+            assert any(one[:2] == best and set(np.flatnonzero(number == number[k])) <= one[2] for one in with_it), (name, k)
+        several += len(bodies) > 20
+    assert hinges > 20 and several > 2, (hinges, several)
+
+
 def tables():
     """Both methods agree on a packing without special places but for the turn that the period forbids; rows of grains."""
     game, real = table("clusters", N200), table("clusters", N200, "--method=motions")
@@ -156,9 +218,8 @@ def tables():
     pack("chain.h5", kind="chain", grains=10)
     refused("chain", "clusters", "chain.h5", status=1)
     refused("motions", "clusters", "space.h5", "--method=game", status=1)
-    refused("friction", "clusters", pack("ss.h5", dimension=3, grains=90, width=4.8, pressure=1e-3, friction=0), status=1)
     refused("--method", "clusters", N200, "--method=guess")
     refused("--sliding-at", "clusters", N200, "--sliding-at=-1")
 
 
-main(motions, tables)
+main(motions, smooth_spheres, tables)

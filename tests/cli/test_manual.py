@@ -53,17 +53,16 @@ def help_of_commands():
 
 
 def manual():
-    """The page and the commands' own help name the same; files name one version."""
-    page = (SOURCE / "docs/man/sonopack.1").read_text().replace("\\-", "-")
-    known = set().union(*map(options, commands())) - {"--usage"}
+    """The page, which the build makes of the commands' help, has every command and option; files name one version."""
+    page = (pathlib.Path(COMMAND).parent / "sonopack.1").read_text().replace("\\-", "-")
     for command in set(commands()) - {"help"}:
-        expect(re.search(rf"^\.(SS|B|BI|BR) \"?{command}\b", page, re.M), f"the manual page does not explain {command}")
-    named = set(re.findall(r"--[a-z][a-z0-9-]*", page))
-    expect(known <= named, f"the manual page does not know {known - named}")
-    expect(named <= known | {"--version"}, f"the manual page names {named - known}, which no command has")
+        expect(f"\n.SS {command}\n" in page, f"the manual page does not explain {command}")
+    lacking = set().union(*map(options, commands())) - {"--usage"} - set(re.findall(r"--[a-z][a-z0-9-]*", page))
+    expect(not lacking, f"the manual page does not know {lacking}")
     versions = {re.search(pattern, (SOURCE / name).read_text(), re.M).group(1) for name, pattern in (
         ("include/sonopack/version.h", r'SONOPACK_VERSION "([^"]+)"'), ("CHANGELOG.md", r"^## (\d\S+)"),
-        ("CITATION.cff", r"^version: \"?([^\"\s]+)"), ("packaging/conda/meta.yaml", r'set version = "([^"]+)"'), ("docs/man/sonopack.1", r'"sonopack ([^"]+)"'))}
+        ("CITATION.cff", r"^version: \"?([^\"\s]+)"), ("packaging/conda/meta.yaml", r'set version = "([^"]+)"'))}
+    versions.add(re.search(r'"sonopack ([^"]+)"', page)[1])
     assert versions == {output("--version").split()[-1]}, versions
 
 

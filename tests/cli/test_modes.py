@@ -87,7 +87,8 @@ def growing():
     exact, own = np.sort(np.sqrt(network(N200, True).turned_modes[0]).real), table("modes", N200, "--prestress")
     rattlers = int(own.notes["rattler_modes"])
     assert np.abs(own["omega"][rattlers:] - exact).max() < 1e-9 * exact[-1] and not own["omega"][:rattlers].any()
-    refused("", "modes", path, "--prestress", "--band", "0:1", status=1)
+    for word, *words in (("zero", "--lowest=3", "--zero"), ("arpack", "--lowest=3", "--solver=arpack"), ("band", "--band=1:0.5")):
+        refused(word, "modes", path, "--prestress", *words)
 
 
 def lowest_of_growing():
@@ -118,6 +119,11 @@ def lowest_of_growing():
         assert np.sum(grow & (part["omega"] > 0)) == int(part.notes["pairs"])
         pairs, diverging = pairs + int(part.notes["pairs"]), diverging + np.sum(grow & (part["omega"] == 0))
     assert pairs > 0 and diverging > 0
+    middle = float(part["omega"][9]), float(part["omega"][-3])  # ends in modes: these are inside, and on an edge
+    band = table(*words, "--band", "{!r}:{!r}".format(*middle), "--solver=lanczos")
+    assert band.notes["method"] == "sparse" and int(band.notes["on_edge"]) >= 2
+    inside = (part["omega"] >= middle[0] - 1e-9) & (part["omega"] <= middle[1] + 1e-9)
+    assert np.array_equal(band["n"], part["n"][inside]) and float(band.notes["complete"].split(":")[1]) > middle[1]
     dense = table(*words, "--lowest", few, "--solver=dense")
     assert dense.notes["method"] == "dense" and np.array_equal(dense["n"], part["n"])
     assert np.all(np.abs(dense["omega"] - part["omega"]) <= dense["error"] + part["error"])

@@ -168,6 +168,76 @@ def spheres():
     print(f"spheres: K u = omega^2 M u within {worst:.1g}")
 
 
+def growing():
+    """Prestress and friction: J e = z M e and the same from the left with J of numpy, biorthogonal vectors, and the same
+    rows in all, the lowest and a band of motions; one as a table is drawn, a file of them is refused with the way out."""
+    packing, text, path, shown = (FOLDER / name for name in ("g.h5", "g.txt", "gv.h5", "g.tsv"))
+    run("pack", "-q", "-o", packing, *(word for key in (
+        "grains=150", "width=10", "pressure=1e-2", "friction=0.8", "poisson=0", 'protocol="quick"') for word in ("--set", f"packing.{key}")))
+    run("convert", packing, text)
+    net, pairs = Network(text, prestress=True), []
+    root = np.sqrt(net.mass)
+    a = net.turned / np.outer(root, root)
+    top = np.linalg.norm(a, 2)
+    for words in ([], ["--lowest", 20, "--solver=lanczos"], ["--band=1.2:1.6"], ["--band=0.1:0.3", "--solver=lanczos"]):
+        run("modes", packing, "--prestress", *words, "--vectors", path, "-o", shown, "--force")
+        comments, printed = table(shown.read_text())
+        with h5py.File(path) as f:
+            g = {name: d[()] for name, d in f["modes"].items()}
+            assert f["modes"].attrs["format"] == 2 and all(d.attrs["unit"] and d.attrs["description"] for d in f["modes"].values())
+        e, left = g["vector"] + 1j * g["vector_imaginary"], g["left"] + 1j * g["left_imaginary"]
+        z, rows = -(g["growth"] + 1j * g["omega"]) ** 2, len(g["omega"])
+        far = [np.linalg.norm(off, axis=1).max() for off in (
+            e @ a.T - z[:, None] * e, (left @ a - z[:, None] * left) / np.linalg.norm(left, axis=1)[:, None])]
+        assert max(far) <= g["residual"] * net_top(net) + 1e-13 * top and g["residual"] < 1e-10, (words, far)
+        once = np.unique(z, return_index=True)[1]
+        apart = np.abs(left[once] @ e[once].T - np.eye(len(once))).max()
+        assert abs(apart - g["orthogonality"]) < 1e-13 and apart < 1e-10 and np.abs(np.linalg.norm(e, axis=1) - 1).max() < 1e-13
+        most = e[np.arange(rows), np.abs(e).argmax(1)]
+        assert np.all(most.real > 0) and np.abs(most.imag).max() < 1e-15
+        for name in ("omega", "growth", "error", "cosine", "sine"):
+            assert np.array_equal(g[name], printed[name]), name
+        assert printed["n"][0] == g["first"] and np.allclose(g["mass"], net.mass, rtol=1e-14) and rows > 10
+        whole = whole if words else printed
+        apart = np.abs(whole["omega"][int(g["first"]):][:rows] - g["omega"])
+        assert np.all(apart <= g["error"] + whole["error"][int(g["first"]):][:rows]), words
+        if words[:1] == ["--band=0.1:0.3"]:
+            assert np.array_equal(printed["n"], np.flatnonzero((whole["omega"] >= 0.1) & (whole["omega"] <= 0.3)))
+            assert comments["method"] == "sparse" and float(comments["complete"].split(":")[1]) > 0.3
+        pairs.append(int(comments["pairs"]))
+    assert pairs[0] > 0 and pairs[2] > 0, pairs
+    number = int(printed["n"][3])
+    run("modes", packing, "--prestress", "--band=0.1:0.3", "--vectors", FOLDER / "gu.tsv", "--mode", number, "-o", shown, "--force")
+    u = table((FOLDER / "gu.tsv").read_text())[1]
+    same = np.column_stack([u["ux"], u["uy"], u["rz"]]).ravel() * root
+    assert min(np.abs(same - s * e[3].real).max() for s in (1, -1)) < 1e-7
+    assert plot("mode", packing, FOLDER / "gu.tsv", "-o", FOLDER / "g.svg")[0] == 0
+    status, said = plot("mode", packing, path, "-o", FOLDER / "no.svg")
+    assert status == 1 and "--vectors FILE.tsv --mode N" in said, said
+    run("modes", packing, "--prestress", "--vectors", FOLDER / "gu.tsv", "--mode", 450, "-o", shown, "--force", status=2)
+
+
+def growing_spheres():
+    """Of the sparse solver a pair, whose vectors come with any phase."""
+    packing, path = FOLDER / "gs.h5", FOLDER / "gsv.h5"
+    run("pack", "-q", "-o", packing, *(word for key in (
+        "dimension=3", "grains=230", "width=5", "pressure=1e-2", "friction=0.8", 'protocol="quick"') for word in ("--set", f"packing.{key}")))
+    run("modes", packing, "--prestress", "--lowest", 25, "--solver=lanczos", "--vectors", path, "-o", FOLDER / "gs.tsv")
+    with h5py.File(path) as f:
+        g = {name: d[()] for name, d in f["modes"].items()}
+    e, left = g["vector"] + 1j * g["vector_imaginary"], g["left"] + 1j * g["left_imaginary"]
+    pair = g["growth"] > g["error"]
+    assert g["pairs"] == np.sum(pair) > 0 and np.abs(e[pair].imag).max() > 1e-3
+    most = e[np.arange(len(e)), np.abs(e).argmax(1)]
+    assert np.all(most.real > 0) and np.abs(most.imag).max() < 1e-15
+    assert np.abs(left @ e.T - np.eye(len(e))).max() < 1e-12
+
+
+def net_top(net):
+    """The square of the command's bound of all frequencies is at most this: Gershgorin's."""
+    return 1.3 * np.abs(net.turned / np.sqrt(np.outer(net.mass, net.mass))).sum(1).max()
+
+
 def command_lines():
     v = FOLDER / "v.h5"
     for words in (["--frequencies-only"], ["--stability"], ["--damping", 0.1], ["--mode", 80]):
@@ -231,7 +301,7 @@ def forgeries():
                         ("freedoms", 2), ("packing", 1), ("certified_from", np.nan), ("residual", np.nan)):
         forge(put(name, np.array(value, g[name].dtype)))
     forge(put("source", "loud"), "/modes/source", "loud")
-    forge(lambda g: g.attrs.modify("format", 2), "2")
+    forge(lambda g: g.attrs.modify("format", 3), "3")
     for name in g:
         if name not in ("column", "rattler", "vector_error"):  # these are for readers; ours derives them
             forge(lambda f, name=name: f.__delitem__(name), f"/modes/{name}")
@@ -284,6 +354,8 @@ try:
     equation_of_motion()
     part_of_a_spectrum()
     spheres()
+    growing()
+    growing_spheres()
     command_lines()
     forgeries()
     damage()

@@ -235,6 +235,73 @@ TEST(test_small_networks) {
     sp_clusters_free(&c);
 }
 
+/* Smooth spheres at these places, joined by these pairs. */
+static sp_clusters clusters_in_space(graph *g, int32_t n, const double (*at)[3], int contacts,
+                                     const int8_t (*pair)[2]) {
+    const sp_clusters_options real = {SP_CLUSTERS_MOTIONS, 0.99, true};
+    sp_clusters c;
+    start(g, false, n, 1);
+    g->net.dim = g->net.dof = 3;
+    for (int32_t k = 0; k < contacts; k++) {
+        double side[3];
+        add_contact(g, pair[k][0], pair[k][1], false);
+        for (int a = 0; a < 3; a++)
+            side[a] = at[pair[k][1]][a] - at[pair[k][0]][a];
+        g->length[k] = sqrt(side[0] * side[0] + side[1] * side[1] + side[2] * side[2]);
+        for (int a = 0; a < 3; a++)
+            g->spring[k].n[a] = side[a] / g->length[k];
+    }
+    assert_ok(sp_clusters_make(&g->p, &g->net, &real, &c, &err));
+    return c;
+}
+
+/* Two tetrahedra with a common edge turn about it, and the edge belongs to both. A triangle is rigid, its fourth point
+ * hangs by one contact. Two bananas with common ends: as many bars as rigidity takes by Maxwell's count, but they turn
+ * about the line of their ends, which no contact joins, and each holds the ends apart. */
+TEST(test_hinges_in_space) {
+    graph g;
+    static const double edge[][3] = {{0, 0, 0},       {1, 0, 0},        {0.4, 0.9, 0},
+                                     {0.5, 0.3, 0.8}, {0.6, -0.9, 0.1}, {0.5, -0.2, -0.9}};
+    static const int8_t tetrahedra[][2] = {{0, 1}, {0, 2}, {1, 2}, {0, 3}, {1, 3}, {2, 3},
+                                           {0, 4}, {1, 4}, {0, 5}, {1, 5}, {4, 5}};
+    sp_clusters c = clusters_in_space(&g, 6, edge, 11, tetrahedra);
+    assert_int_equal(c.count, 2);
+    assert_int_equal(c.floppy, 1);
+    assert_int_equal(c.redundant_bars, 0);
+    for (int q = 0; q < 2; q++)
+        assert_true(c.grains[q] == 4 && c.contacts[q] == 6);
+    assert_true(c.cluster[0] == 0 && c.of_grain[0] == 0 && c.of_grain[3] != c.of_grain[5]);
+    sp_clusters_free(&c);
+    static const int8_t hanging[][2] = {{0, 1}, {0, 2}, {1, 2}, {2, 3}};
+    c = clusters_in_space(&g, 4, edge, 4, hanging);
+    assert_true(c.count == 2 && c.grains[0] == 3 && c.grains[1] == 2 && c.floppy == 2);
+    assert_true(c.cluster[3] == 1 && c.contacts[1] == 1);
+    sp_clusters_free(&c);
+    static const double banana[][3] = {{0, 0, 1},        {0, 0, -1},   {1, 0.6, 0.1},     {1.2, -0.5, 0},
+                                       {0.7, 0.1, -0.2}, {-1, 0.5, 0}, {-1.1, -0.6, 0.2}, {-0.6, 0, 0.1}};
+    int8_t ends[18][2];
+    int k = 0;
+    for (int8_t side = 2; side <= 5; side = (int8_t)(side + 3))
+        for (int8_t v = 0; v < 3; v++) {
+            const int8_t own = (int8_t)(side + v), next = (int8_t)(side + (v + 1) % 3);
+            const int8_t bars[3][2] = {{own, next}, {0, own}, {1, own}};
+            memcpy(ends[k], bars, sizeof bars);
+            k += 3;
+        }
+    c = clusters_in_space(&g, 8, banana, 18, (const int8_t(*)[2])ends);
+    assert_int_equal(c.floppy, 1);
+    assert_int_equal(c.redundant_bars, 1);
+    assert_int_equal(c.count, 2);
+    for (int q = 0; q < 2; q++)
+        assert_true(c.grains[q] == 5 && c.contacts[q] == 9);
+    for (k = 0; k < 18; k++)
+        assert_int_equal(c.redundant[k], 1);
+    sp_clusters_free(&c);
+    const sp_clusters_options real = {SP_CLUSTERS_MOTIONS, 0.99, true};
+    EACH_ALLOCATION_FAILS(10, sp_clusters_make(&g.p, &g.net, &real, &c, &err), assert_true(!lacks || !c.bars),
+                          assert_true(lacks || c.count == 2), sp_clusters_free(&c));
+}
+
 TEST(test_packings) {
     sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     sp_network net = default_network(&p);

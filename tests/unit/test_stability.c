@@ -57,7 +57,7 @@ TEST(test_discs) {
                 a[N * c + r] += inverse[r][k] * half[k][c];
     sp_sparse s = dense_of(N, a);
     sp_discs d;
-    assert_ok(sp_discs_make(&s, NULL, NULL, &d, &err));
+    assert_ok(sp_discs_make(&s, NULL, NULL, false, &d, &err));
     for (int k = 0; k < N; k++) {
         int held = 0;
         for (int m = 0; m < N; m++)
@@ -69,7 +69,7 @@ TEST(test_discs) {
     sp_sparse_free(&s);
     const double jordan[] = {1, 0, 1, 1}; /* one eigenvector */
     s = dense_of(2, jordan);
-    assert_ok(sp_discs_make(&s, NULL, NULL, &d, &err));
+    assert_ok(sp_discs_make(&s, NULL, NULL, false, &d, &err));
     for (int k = 0; k < 2; k++)
         assert_true(hypot(d.re[k] - 1, d.im[k]) <= d.radius[k]);
     sp_discs_free(&d);

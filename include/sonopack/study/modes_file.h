@@ -23,6 +23,10 @@ typedef struct sp_modes_made {
 SP_API sp_status sp_modes_save(const sp_modes *m, const sp_packing *p, const sp_network *net, const sp_modes_made *made,
                                const char *path, sp_error *err);
 
+/* The same of modes that may grow; rattlers' rows are left out. */
+SP_API sp_status sp_complex_modes_save(const sp_complex_modes *m, const sp_packing *p, const sp_network *net,
+                                       const sp_modes_made *made, const char *path, sp_error *err);
+
 /* Content of a file of modes but for the vectors. */
 typedef struct sp_modes_file {
     sp_modes modes; /* vectors is NULL */

@@ -10,7 +10,7 @@ import numpy as np
 from .. import _core
 from .._command import Failed, usage
 from .._core import Floats, InvalidInput, c_path, call
-from .._modes import Modes
+from .._modes import ComplexModes, Modes
 from .._native import ffi, lib
 from .._network import Network
 from .._packing import Packing
@@ -100,12 +100,12 @@ def network_for(one: Input, scene: Scene | None) -> Network:
 
 def find_mode(given: Sequence[Input], number: int | None, scene: Scene | None) -> Motion:
     """The wanted mode of a packing, of Modes, or of a packing and a file; by default the first that is no zero mode."""
-    if isinstance(given[0].source, Modes):
+    if isinstance(given[0].source, (Modes, ComplexModes)):
         return _of_modes(given[0].source, number)
     if len(given) == 1:
         return _of_modes(_compute(network_for(given[0], scene), number), number)
     one = given[1]
-    if isinstance(one.source, Modes):
+    if isinstance(one.source, (Modes, ComplexModes)):
         return _of_modes(one.source, number)
     if one.path and lib.sp_modes_file_looks(c_path(one.path)):
         return _of_file(one, given[0].packing, number)
@@ -129,10 +129,12 @@ def _row(first: int, n: int, n_zero: int, n_rattler: int, number: int | None) ->
     return row
 
 
-def _compute(network: Network, number: int | None) -> Modes:
+def _compute(network: Network, number: int | None) -> Modes | ComplexModes:
     """The modes up to the wanted one."""
     rattlers = int(network._c.rattlers) * network.dof
     lowest = 1 if number is None else max(1, number - rattlers + 1)
+    if network._c.carried:
+        return network.complex_modes(lowest=lowest)
     try:
         if lowest <= network.dofs:
             return network.modes(lowest=lowest, zero=number is not None)
@@ -142,7 +144,11 @@ def _compute(network: Network, number: int | None) -> Modes:
     return network.modes()  # there are not so many besides zero modes
 
 
-def _of_modes(modes: Modes, number: int | None) -> Motion:
+def _of_modes(modes: Modes | ComplexModes, number: int | None) -> Motion:
+    if isinstance(modes, ComplexModes):  # at the time 0
+        row = _row(modes.first, modes.n, modes.rattlers, modes.rattlers, number)
+        return Motion(modes.network, modes.displacement(row).real, True, modes.first + row, float(modes.omega[row]),
+                      float(modes.error[row]))
     row = _row(modes.first, modes.n, modes.n_zero, modes.n_rattler, number)
     return Motion(modes.network, modes.displacement(row), True, modes.first + row, float(modes.omega[row]),
                   float(modes.error[row]), error=modes.vector_error(row))

@@ -17,7 +17,8 @@ sp_clusters_options sp_clusters_options_default(void) {
 sp_clusters sp_clusters_none(void) { return (sp_clusters){0}; }
 
 void sp_clusters_free(sp_clusters *c) {
-    sp_free(c->bars); /* all arrays are one block */
+    sp_free(c->bars);   /* a block with the arrays of contacts */
+    sp_free(c->grains); /* and one with those of clusters */
     *c = sp_clusters_none();
 }
 
@@ -30,10 +31,6 @@ static sp_status check(const sp_network *net, const sp_clusters_options *opt, sp
         return sp_fail(err, SP_EREFUSED, "is a chain: must have two or three dimensions");
     if (net->dim == 3 && opt->method == SP_CLUSTERS_GAME)
         return sp_fail(err, SP_EREFUSED, "the pebble game is exact in two dimensions alone; in three take motions");
-    if (net->dim == 3 && net->dof == 3)
-        return sp_fail(
-            err, SP_EREFUSED,
-            "motions in three dimensions need friction: two smooth spheres can always turn about their line");
     return SP_OK;
 }
 
@@ -73,8 +70,9 @@ static sp_status count_spins(const sp_network *net, sp_clusters *c, sp_error *er
 /* Grains of a cluster, joined by its contacts, each with the periods that lead to it from the one above it. */
 typedef struct walker {
     const sp_network *net;
+    sp_rigid *r;
     sp_clusters *c;
-    int32_t *by_cluster; /* [springs] contacts, sorted by clusters */
+    int32_t *by_cluster; /* [springs + more] contacts, sorted by clusters */
     int32_t *up;         /* [n] union-find */
     int32_t (*shift)[3]; /* [n] these periods */
     int32_t *owner;      /* [n] the last cluster that came here */
@@ -140,30 +138,37 @@ static void walk(walker *w, int32_t from, int32_t to) {
 
 /* ---- all clusters ------------------------------------------------------------------------------------------------ */
 
+/* All labels, in turn: those of contacts, then those of contacts in one more cluster. */
+static int32_t *label_at(const sp_rigid *r, int32_t q) {
+    return q < r->net->n_springs ? &r->label[q] : &r->more[q - r->net->n_springs].label;
+}
+
 /* Numbers for labels, by the first contact of each. Returns how many there are, or -1 without memory. */
-static int32_t number(const sp_network *net, int32_t *label) {
-    const size_t most = (size_t)net->n + SP_RIGID_WALLS + (size_t)net->n_springs;
-    int32_t *name = sp_alloc(most, sizeof *name), count = 0;
-    for (int32_t k = 0; k < net->n_springs && name; k++)
-        if (label[k] >= 0) {
-            if (name[label[k]] == 0)
-                name[label[k]] = ++count;
-            label[k] = name[label[k]] - 1;
+static int32_t number(const sp_rigid *r) {
+    int32_t *name = sp_alloc((size_t)r->labels, sizeof *name), count = 0;
+    for (int32_t q = 0; q < r->net->n_springs + r->n_more && name; q++) {
+        int32_t *label = label_at(r, q);
+        if (*label >= 0) {
+            if (name[*label] == 0)
+                name[*label] = ++count;
+            *label = name[*label] - 1;
         }
+    }
     sp_free(name);
     return name ? count : -1;
 }
 
-static void sort_contacts(const sp_clusters *c, int32_t *start, int32_t *list) {
-    memset(start, 0, ((size_t)c->count + 2) * sizeof *start);
-    for (int32_t k = 0; k < c->springs; k++)
-        if (c->cluster[k] >= 0)
-            start[c->cluster[k] + 2]++;
-    for (int32_t q = 2; q < c->count + 2; q++)
+static void sort_contacts(const walker *w, int32_t *start) {
+    const int32_t springs = w->c->springs, all = springs + w->r->n_more;
+    memset(start, 0, ((size_t)w->c->count + 2) * sizeof *start);
+    for (int32_t q = 0; q < all; q++)
+        if (*label_at(w->r, q) >= 0)
+            start[*label_at(w->r, q) + 2]++;
+    for (int32_t q = 2; q < w->c->count + 2; q++)
         start[q] += start[q - 1];
-    for (int32_t k = 0; k < c->springs; k++)
-        if (c->cluster[k] >= 0)
-            list[start[c->cluster[k] + 1]++] = k;
+    for (int32_t q = 0; q < all; q++)
+        if (*label_at(w->r, q) >= 0)
+            w->by_cluster[start[*label_at(w->r, q) + 1]++] = q < springs ? q : w->r->more[q - springs].contact;
 }
 
 typedef struct order {
@@ -177,8 +182,8 @@ static int by_size(const void *one, const void *two) {
     return grains ? grains : contacts ? contacts : (a->number > b->number) - (a->number < b->number);
 }
 
-/* Gives each contact the rank of its cluster. */
-static sp_status rank(sp_clusters *c, sp_error *err) {
+/* Gives each contact the rank of its cluster, of several the first. */
+static sp_status rank(const sp_rigid *r, const sp_clusters *c, sp_error *err) {
     order *all = sp_alloc((size_t)c->count, sizeof *all);
     int32_t *place = sp_alloc((size_t)c->count, sizeof *place);
     for (int32_t q = 0; q < c->count && all && place; q++)
@@ -187,8 +192,12 @@ static sp_status rank(sp_clusters *c, sp_error *err) {
         qsort(all, (size_t)c->count, sizeof *all, by_size);
     for (int32_t q = 0; q < c->count && all && place; q++)
         place[all[q].number] = q;
-    for (int32_t k = 0; k < c->springs && all && place; k++)
-        c->cluster[k] = c->cluster[k] < 0 ? -1 : place[c->cluster[k]];
+    for (int32_t q = 0; q < c->springs + r->n_more && all && place; q++) {
+        int32_t *label = label_at(r, q), *first = q < c->springs ? label : &r->label[r->more[q - c->springs].contact];
+        const int32_t own = *label < 0 ? -1 : place[*label];
+        *label = own > *first || label == first ? own : *first;
+        *first = own < *first || label == first ? own : *first;
+    }
     sp_free(place);
     sp_free(all);
     return all && place ? SP_OK : sp_fail_memory(err, (size_t)c->count * sizeof(order));
@@ -200,25 +209,27 @@ static void walk_all(walker *w, int32_t *start) {
     memset(c->grains, 0, sizes); /* and contacts, spans, wraps */
     for (int32_t i = 0; i < c->n; i++)
         w->owner[i] = -1;
-    sort_contacts(c, start, w->by_cluster);
+    sort_contacts(w, start);
     for (w->number = 0; w->number < c->count; w->number++)
         walk(w, start[w->number], start[w->number + 1]);
 }
 
-static sp_status describe(const sp_network *net, sp_clusters *c, sp_error *err) {
-    const size_t n = (size_t)net->n, springs = (size_t)net->n_springs, size = 6 * n + 2 * springs + 2;
+static sp_status describe(sp_rigid *r, sp_clusters *c, sp_error *err) {
+    const sp_network *net = r->net;
+    const size_t n = (size_t)net->n, springs = (size_t)net->n_springs, all = springs + (size_t)r->n_more;
+    const size_t size = 6 * n + all + (size_t)c->count + 2;
     int32_t *room = sp_alloc(size, sizeof *room);
     if (!room)
         return sp_fail_memory(err, size * sizeof *room);
-    walker w = {.net = net, .c = c, .up = room, .owner = room + n, .touches = room + 2 * n};
+    walker w = {.net = net, .r = r, .c = c, .up = room, .owner = room + n, .touches = room + 2 * n};
     w.shift = (int32_t(*)[3])(room + 3 * n);
     w.by_cluster = room + 6 * n;
     for (size_t k = 0; k < springs; k++)
         if (net->springs[k].j < 0)
             w.touches[net->springs[k].i] |= 1 << (-1 - net->springs[k].j);
-    int32_t *start = w.by_cluster + springs;
+    int32_t *start = w.by_cluster + all;
     walk_all(&w, start);
-    const sp_status status = rank(c, err);
+    const sp_status status = rank(r, c, err);
     if (status == SP_OK)
         walk_all(&w, start);
     for (size_t i = 0; i < n; i++)
@@ -234,7 +245,7 @@ static sp_status describe(const sp_network *net, sp_clusters *c, sp_error *err) 
 }
 
 static sp_status make_arrays(const sp_network *net, sp_clusters *c, sp_error *err) {
-    const size_t n = (size_t)net->n, springs = (size_t)net->n_springs, size = n + 7 * springs;
+    const size_t n = (size_t)net->n, springs = (size_t)net->n_springs, size = n + 3 * springs;
     *c = (sp_clusters){.n = net->n, .springs = net->n_springs};
     c->bars = sp_alloc(size, sizeof *c->bars);
     if (!c->bars)
@@ -242,25 +253,35 @@ static sp_status make_arrays(const sp_network *net, sp_clusters *c, sp_error *er
     c->cluster = c->bars + springs;
     c->redundant = c->cluster + springs;
     c->of_grain = c->redundant + springs;
-    c->grains = c->of_grain + n;
     return SP_OK;
 }
 
-static sp_status find_clusters(const sp_network *net, const sp_clusters_options *opt, sp_clusters *c, sp_error *err) {
-    sp_rigid r = {.net = net, .bars = c->bars, .label = c->cluster, .redundant = c->redundant};
-    r.equal = r.apart = NAN;
+static sp_status find_clusters(sp_rigid *r, const sp_clusters_options *opt, sp_clusters *c, sp_error *err) {
+    const sp_network *net = r->net;
     for (int32_t k = 0; k < net->n_springs; k++) {
         c->cluster[k] = -1;
         c->bars_all += c->bars[k];
         if (net->springs[k].j < 0 && c->bars[k] > 0)
-            r.used |= 1 << (-1 - net->springs[k].j);
+            r->used |= 1 << (-1 - net->springs[k].j);
     }
-    const sp_status status = (opt->method == SP_CLUSTERS_GAME ? sp_rigid_game : sp_rigid_motions)(&r, err);
-    c->redundant_bars = c->bars_all - r.held;
-    c->floppy = r.floppy;
-    c->equal = r.equal;
-    c->apart = r.apart;
+    const sp_status status = (opt->method == SP_CLUSTERS_GAME ? sp_rigid_game : sp_rigid_motions)(r, err);
+    c->redundant_bars = c->bars_all - r->held;
+    c->floppy = r->floppy;
+    c->equal = r->equal;
+    c->apart = r->apart;
     return status;
+}
+
+/* The arrays of clusters. */
+static sp_status count_clusters(const sp_rigid *r, sp_clusters *c, sp_error *err) {
+    c->count = number(r);
+    c->grains = c->count < 0 ? NULL : sp_alloc(4 * (size_t)c->count, sizeof *c->grains);
+    if (!c->grains)
+        return sp_fail_memory(err, 4 * (size_t)r->labels * sizeof *c->grains);
+    c->contacts = c->grains + c->count;
+    c->spans = c->contacts + c->count;
+    c->wraps = c->spans + c->count;
+    return SP_OK;
 }
 
 sp_status sp_clusters_make(const sp_packing *p, const sp_network *net, const sp_clusters_options *opt, sp_clusters *out,
@@ -274,16 +295,15 @@ sp_status sp_clusters_make(const sp_packing *p, const sp_network *net, const sp_
             c.bars[k] = bars_of(p, net, opt, &net->springs[k]);
         status = count_spins(net, &c, err);
     }
+    sp_rigid r = {.net = net, .bars = c.bars, .label = c.cluster, .redundant = c.redundant, .equal = NAN, .apart = NAN};
+    r.labels = net->n + SP_RIGID_WALLS + net->n_springs;
     if (status == SP_OK)
-        status = find_clusters(net, opt, &c, err);
-    if (status == SP_OK && (c.count = number(net, c.cluster)) < 0)
-        status = sp_fail_memory(err, (size_t)net->n * sizeof *c.cluster);
-    if (status == SP_OK) {
-        c.contacts = c.grains + c.count;
-        c.spans = c.contacts + c.count;
-        c.wraps = c.spans + c.count;
-        status = describe(net, &c, err);
-    }
+        status = find_clusters(&r, opt, &c, err);
+    if (status == SP_OK)
+        status = count_clusters(&r, &c, err);
+    if (status == SP_OK)
+        status = describe(&r, &c, err);
+    sp_free(r.more);
     if (status == SP_OK)
         *out = c;
     else

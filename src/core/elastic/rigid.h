@@ -7,12 +7,19 @@
 /* Bodies are the grains 0 .. n-1, then the walls SP_BOTTOM .. SP_BACK. */
 enum { SP_RIGID_WALLS = 6 };
 
+/* A contact that belongs to one more cluster. */
+typedef struct sp_rigid_member {
+    int32_t contact, label;
+} sp_rigid_member;
+
 typedef struct sp_rigid {
     const sp_network *net;
-    const int32_t *bars;    /* [springs] */
-    int32_t used;           /* walls that springs lead to, bit -1-wall; 0 without walls */
-    int32_t *label;         /* [springs] out: equal for contacts of one cluster, -1 for none; any numbers below
-                               n + SP_RIGID_WALLS + springs */
+    const int32_t *bars;   /* [springs] */
+    int32_t used;          /* walls that springs lead to, bit -1-wall; 0 without walls */
+    int32_t *label;        /* [springs] out: equal for contacts of one cluster, -1 for none */
+    int32_t labels;        /* all labels are below this */
+    sp_rigid_member *more; /* [n_more] out: other clusters of a contact; free with sp_free */
+    int32_t n_more;
     int32_t *redundant;     /* [springs] out */
     int64_t bars_all, held; /* out: number of bars; of those that hold a motion of their own */
     int64_t floppy;         /* out */

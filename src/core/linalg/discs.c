@@ -15,7 +15,16 @@
 
 void sp_discs_free(sp_discs *d) {
     sp_free(d->re); /* one block */
+    sp_free(d->right);
     *d = (sp_discs){0};
+}
+
+sp_status sp_discs_empty(int64_t n, sp_discs *out, sp_error *err) {
+    const size_t m = (size_t)n;
+    double *block;
+    *out = (sp_discs){.n = n};
+    const sp_array arrays[] = {{&out->re, m}, {&out->im, m}, {&out->radius, m}, {&out->from, m}, {&out->to, m}, {0}};
+    return sp_arrays_make(arrays, &block, err);
 }
 
 /* Dense n x n matrices by columns: eigenvectors V, approximate inverse Y of V, residuals R = A V - V D with the
@@ -24,19 +33,22 @@ typedef struct diagonalization {
     int64_t n;
     const sp_sparse *a;
     sp_discs d;
-    double *v, *y, *r, *product;
-    double *sum, *size, *noise; /* [n] sums over rows */
+    double *v, *y, *r, *product; /* v and y belong to d */
+    double *sum, *size, *noise;  /* [n] sums over rows */
     double *memory;
 } diagonalization;
 
 static sp_status diagonalization_make(const sp_sparse *a, diagonalization *f, sp_error *err) {
     const size_t n = (size_t)a->n;
-    *f = (diagonalization){.n = a->n, .a = a, .d = {.n = a->n}};
-    const sp_array discs[] = {{&f->d.re, n}, {&f->d.im, n}, {&f->d.radius, n}, {&f->d.from, n}, {&f->d.to, n}, {0}};
-    const sp_array arrays[] = {{&f->v, n * n}, {&f->y, n * n}, {&f->r, n * n}, {&f->product, n * n},
-                               {&f->sum, n},   {&f->size, n},  {&f->noise, n}, {0}};
+    *f = (diagonalization){.n = a->n, .a = a};
+    const sp_array vectors[] = {{&f->d.right, n * n}, {&f->d.left, n * n}, {0}};
+    const sp_array arrays[] = {{&f->r, n * n}, {&f->product, n * n}, {&f->sum, n}, {&f->size, n}, {&f->noise, n}, {0}};
     double *block;
-    const sp_status status = sp_arrays_make(discs, &block, err);
+    sp_status status = sp_discs_empty(a->n, &f->d, err);
+    if (status == SP_OK)
+        status = sp_arrays_make(vectors, &block, err);
+    f->v = f->d.right;
+    f->y = f->d.left;
     return status == SP_OK ? sp_arrays_make(arrays, &f->memory, err) : status;
 }
 
@@ -162,7 +174,26 @@ static void project(diagonalization *f, const double *source, const double *dete
         cblas_dgemv(CblasColMajor, CblasTrans, n, n, 1, f->v, n, detector, 1, 0, f->d.to, 1);
 }
 
-sp_status sp_discs_make(const sp_sparse *a, const double *source, const double *detector, sp_discs *out,
+static void transpose(int64_t n, double *x) {
+    for (int64_t c = 0; c < n; c++)
+        for (int64_t r = c + 1; r < n; r++) {
+            const double keep = x[c * n + r];
+            x[c * n + r] = x[r * n + c];
+            x[r * n + c] = keep;
+        }
+}
+
+/* The inverse by columns becomes left vectors, one a row. */
+static void keep_vectors(bool wanted, sp_discs *d) {
+    if (wanted) {
+        transpose(d->n, d->left);
+        return;
+    }
+    sp_free(d->right); /* one block */
+    d->right = d->left = NULL;
+}
+
+sp_status sp_discs_make(const sp_sparse *a, const double *source, const double *detector, bool vectors, sp_discs *out,
                         sp_error *err) {
     diagonalization f;
     sp_status status = diagonalization_make(a, &f, err);
@@ -176,9 +207,10 @@ sp_status sp_discs_make(const sp_sparse *a, const double *source, const double *
         project(&f, source, detector);
     }
     sp_free(f.memory);
-    if (status == SP_OK)
+    if (status == SP_OK) {
+        keep_vectors(vectors, &f.d);
         *out = f.d;
-    else
+    } else
         sp_discs_free(&f.d);
     return status;
 }

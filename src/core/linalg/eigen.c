@@ -159,9 +159,27 @@ out:
     return status;
 }
 
-void sp_project(int64_t n, int64_t count, const double *vectors, int columns, const double *column, double *out) {
-    cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, (int)count, columns, (int)n, 1, vectors, (int)n, column,
+void sp_project(int64_t n, int64_t count, const double *vectors, int64_t columns, const double *column, double *out) {
+    cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, (int)count, (int)columns, (int)n, 1, vectors, (int)n, column,
                 (int)n, 0, out, (int)count);
+}
+
+void sp_combine(int64_t n, int64_t count, const double *vectors, int64_t columns, const double *c, double *out) {
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)n, (int)columns, (int)count, 1, vectors, (int)n, c,
+                (int)count, 0, out, (int)n);
+}
+
+void sp_take_away(int64_t n, int64_t count, const double *vectors, int64_t columns, const double *c, double *out) {
+    cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, (int)n, (int)columns, (int)count, -1, vectors, (int)n, c,
+                (int)count, 1, out, (int)n);
+}
+
+sp_status sp_orthonormalize(int64_t n, int64_t count, double *vectors, double *tau, sp_error *err) {
+    const lapack_int rows = (lapack_int)n, columns = (lapack_int)count;
+    int info = LAPACKE_dgeqrf(LAPACK_COL_MAJOR, rows, columns, vectors, rows, tau);
+    if (info == 0)
+        info = LAPACKE_dorgqr(LAPACK_COL_MAJOR, rows, columns, columns, vectors, rows, tau);
+    return info == 0 ? SP_OK : lapack_failed("dgeqrf", info, err);
 }
 
 void sp_project_out(int64_t n, int64_t count, const double *vectors, double *column, double *work) {
@@ -179,8 +197,7 @@ sp_status sp_orthogonality(int64_t n, int64_t count, const double *vectors, doub
     for (int64_t first = 0; first < count;
          first += block) { /* vectors first, first + 1, ... with all vectors from first on */
         const int64_t many = count - first < block ? count - first : block, rest = count - first;
-        cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, (int)rest, (int)many, (int)n, 1, vectors + first * n,
-                    (int)n, vectors + first * n, (int)n, 0, product, (int)rest);
+        sp_project(n, rest, vectors + first * n, many, vectors + first * n, product);
         for (int64_t c = 0; c < many; c++)
             for (int64_t r = c; r < rest; r++)
                 most = fmax(most, fabs(product[c * rest + r] - (r == c)));

@@ -28,7 +28,13 @@ sp_status sp_tridiagonal_values(const sp_tridiagonal *t, double *w, sp_error *er
 sp_status sp_tridiagonal_vectors(const sp_tridiagonal *t, int64_t count, double *vectors, sp_error *err);
 
 /* out[c][v] = column c . vector v, with columns [columns][n] and vectors [count][n]. */
-void sp_project(int64_t n, int64_t count, const double *vectors, int columns, const double *column, double *out);
+void sp_project(int64_t n, int64_t count, const double *vectors, int64_t columns, const double *column, double *out);
+/* out [columns][n] = sums of vectors [count][n] with the weights c [columns][count]; or these are taken away from out.
+ */
+void sp_combine(int64_t n, int64_t count, const double *vectors, int64_t columns, const double *c, double *out);
+void sp_take_away(int64_t n, int64_t count, const double *vectors, int64_t columns, const double *c, double *out);
+/* Vectors [count][n] become an orthonormal basis of the space that they span. tau: [count]. */
+sp_status sp_orthonormalize(int64_t n, int64_t count, double *vectors, double *tau, sp_error *err);
 /* Makes a column orthogonal to orthonormal vectors [count][n]. work: [count]. */
 void sp_project_out(int64_t n, int64_t count, const double *vectors, double *column, double *work);
 /* Largest |x . y - delta| over all pairs of vectors [count][n], delta = 1 for x with itself and 0 otherwise. */

@@ -72,30 +72,28 @@ static sp_status allocate(search *z, sp_error *err) {
     return status == SP_OK ? sp_arrays_make(arrays, &z->memory, err) : status;
 }
 
-static void multiply(bool transposed, int64_t m, int64_t n, int64_t k, double alpha, const double *a, int64_t lda,
-                     const double *b, int64_t ldb, double beta, double *c, int64_t ldc) {
-    cblas_dgemm(CblasColMajor, transposed ? CblasTrans : CblasNoTrans, CblasNoTrans, (int)m, (int)n, (int)k, alpha, a,
-                (int)lda, b, (int)ldb, beta, c, (int)ldc);
-}
-
 /* Orthonormalizes the `count` columns behind the basis, twice against it: the first time leaves rounding errors of what
  * was removed. */
 static sp_status orthonormalize(search *z, int64_t count, sp_error *err) {
     const int64_t n = z->n;
     double *fresh = z->basis + z->p * n;
-    int info = 0;
-    for (int pass = 0; pass < 2 && info == 0; pass++) {
+    sp_status status = SP_OK;
+    for (int pass = 0; pass < 2 && status == SP_OK; pass++) {
         if (z->p > 0) {
-            multiply(true, z->p, count, n, 1, z->basis, n, fresh, n, 0, z->part, z->p);
-            multiply(false, n, count, z->p, -1, z->basis, n, z->part, z->p, 1, fresh, n);
+            sp_project(n, z->p, z->basis, count, fresh, z->part);
+            sp_take_away(n, z->p, z->basis, count, z->part, fresh);
         }
         for (int64_t c = 0; c < count; c++)
             cblas_dscal((int)n, 1 / fmax(sp_norm(n, fresh + c * n), 1e-300), fresh + c * n, 1);
-        info = LAPACKE_dgeqrf(LAPACK_COL_MAJOR, (int)n, (int)count, fresh, (int)n, z->part);
-        if (info == 0)
-            info = LAPACKE_dorgqr(LAPACK_COL_MAJOR, (int)n, (int)count, (int)count, fresh, (int)n, z->part);
+        status = sp_orthonormalize(n, count, fresh, z->part, err);
     }
-    return info == 0 ? SP_OK : sp_fail(err, SP_EFAILED, "dgeqrf: failed (info = %d)", info);
+    return status;
+}
+
+/* z->part becomes the block of h at `row` and `column`. */
+static void put_block(search *z, int64_t row, int64_t column, int64_t rows, int64_t columns) {
+    for (int64_t c = 0; c < columns; c++)
+        memcpy(z->h + (column + c) * z->room + row, z->part + c * rows, (size_t)rows * sizeof *z->h);
 }
 
 /* The columns behind the basis join it. */
@@ -105,11 +103,14 @@ static sp_status grow(search *z, int64_t count, sp_error *err) {
     const sp_status status = orthonormalize(z, count, err);
     for (int64_t c = 0; c < count; c++)
         sp_sparse_apply(z->a, false, fresh + c * n, z->image + c * n);
-    multiply(true, p + count, count, n, 1, z->basis, n, z->image, n, 0, z->h + p * z->room, z->room);
+    sp_project(n, p + count, z->basis, count, z->image, z->part);
+    put_block(z, 0, p, p + count, count);
     for (int64_t c = 0; c < count && p > 0; c++)
         sp_sparse_apply(z->a, true, fresh + c * n, z->image + c * n);
-    if (p > 0)
-        multiply(true, count, p, n, 1, z->image, n, z->basis, n, 0, z->h + p, z->room);
+    if (p > 0) {
+        sp_project(n, count, z->image, p, z->basis, z->part);
+        put_block(z, p, 0, count, p);
+    }
     z->p += count;
     return status;
 }
@@ -122,23 +123,19 @@ static int by_real_part(const void *a, const void *b, void *context) {
 
 /* Eigenvalues that are 0 within the goal get an orthonormal basis of their space: their own vectors may be as good as
  * dependent. */
-static int join_zeros(search *z) {
+static sp_status join_zeros(search *z, sp_error *err) {
     const int64_t p = z->p;
     int count = 0;
     for (int64_t k = 0; k < p; k++)
         if (hypot(z->re[k], z->im[k]) < 0.5 * z->spec->goal)
             memcpy(z->small + p * count++, z->y + k * p, (size_t)p * sizeof *z->y);
-    if (count == 0)
-        return 0;
-    int info = LAPACKE_dgeqrf(LAPACK_COL_MAJOR, (int)p, count, z->small, (int)p, z->part);
-    if (info == 0)
-        info = LAPACKE_dorgqr(LAPACK_COL_MAJOR, (int)p, count, count, z->small, (int)p, z->part);
+    const sp_status status = count > 0 ? sp_orthonormalize(p, count, z->small, z->part, err) : SP_OK;
     for (int64_t k = p; k-- > 0;)
         if (hypot(z->re[k], z->im[k]) < 0.5 * z->spec->goal) {
             memcpy(z->y + k * p, z->small + p * --count, (size_t)p * sizeof *z->y);
             z->re[k] = z->im[k] = 0;
         }
-    return info;
+    return status;
 }
 
 /* Eigenvalues and vectors of h, and the inverse of the vectors. */
@@ -150,9 +147,10 @@ static sp_status solve_small(search *z, sp_error *err) {
     for (int c = 0; c < p; c++)
         memcpy(z->small + (int64_t)c * p, z->h + c * z->room, (size_t)p * sizeof *z->small);
     sp_status status = sp_eigen_general(p, z->small, z->re, z->im, z->y, err);
-    const int info = status == SP_OK ? join_zeros(z) : 0;
+    if (status == SP_OK)
+        status = join_zeros(z, err);
     memcpy(z->yi, z->y, (size_t)p * (size_t)p * sizeof *z->y);
-    if (status == SP_OK && (info != 0 || LAPACKE_dgetrf(LAPACK_COL_MAJOR, p, p, z->yi, p, pivots) != 0 ||
+    if (status == SP_OK && (LAPACKE_dgetrf(LAPACK_COL_MAJOR, p, p, z->yi, p, pivots) != 0 ||
                             LAPACKE_dgetri(LAPACK_COL_MAJOR, p, z->yi, p, pivots) != 0))
         status = sp_fail(err, SP_EREFUSED, "the eigenvectors are linearly dependent");
     sp_free(pivots);
@@ -180,8 +178,8 @@ static sp_status find_pairs(search *z, sp_error *err) {
     }
     t->wanted = z->spec->wanted + (t->im[z->spec->wanted - 1] > 0);
     sp_free(order);
-    multiply(false, n, t->count, p, 1, z->basis, n, z->small, p, 0, t->right, n);
-    multiply(false, n, t->count, p, 1, z->basis, n, z->part, p, 0, t->left, n);
+    sp_combine(n, p, z->basis, t->count, z->small, t->right);
+    sp_combine(n, p, z->basis, t->count, z->part, t->left);
     return status;
 }
 

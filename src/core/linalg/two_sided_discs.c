@@ -12,12 +12,9 @@
 #include "linalg/eigen.h"
 #include "linalg/two_sided.h"
 
-#include <cblas.h>
 #include <float.h>
-#include <lapacke.h> /* includes complex.h */
 #include <math.h>
 #include <string.h>
-#undef I
 
 typedef struct enclosure {
     const sp_two_sided *t;
@@ -70,33 +67,25 @@ static void find_rounding(enclosure *e) {
     e->rounding = e->spec->noise + (double)(longest + 8) * DBL_EPSILON * e->top;
 }
 
-static void multiply(bool transposed, int64_t m, int64_t n, int64_t k, const double *a, int64_t lda, const double *b,
-                     int64_t ldb, double beta, double *c, int64_t ldc) {
-    cblas_dgemm(CblasColMajor, transposed ? CblasTrans : CblasNoTrans, CblasNoTrans, (int)m, (int)n, (int)k,
-                transposed ? 1 : -1, a, (int)lda, b, (int)ldb, beta, c, (int)ldc);
-}
-
 /* The orthonormal basis of W, and |V - Q Q^T V|. */
 static sp_status find_basis(enclosure *e, sp_error *err) {
     const int64_t n = e->n, m = e->m;
     const size_t block = (size_t)(n * m) * sizeof *e->q;
     memcpy(e->q, e->t->left, block);
-    int info = LAPACKE_dgeqrf(LAPACK_COL_MAJOR, (int)n, (int)m, e->q, (int)n, e->tau);
-    if (info == 0)
-        info = LAPACKE_dorgqr(LAPACK_COL_MAJOR, (int)n, (int)m, (int)m, e->q, (int)n, e->tau);
-    multiply(true, m, m, n, e->q, n, e->t->right, n, 0, e->small, m);
+    const sp_status status = sp_orthonormalize(n, m, e->q, e->tau, err);
+    sp_project(n, m, e->q, m, e->t->right, e->small);
     memcpy(e->x, e->t->right, block);
-    multiply(false, n, m, m, e->q, n, e->small, m, 1, e->x, n);
+    sp_take_away(n, m, e->q, m, e->small, e->x);
     e->tilt = 2 * (double)(n * m) * DBL_EPSILON * sqrt((double)m) * norm(n * m, e->t->left); /* W's condition */
     e->slant = norm(n * m, e->x) + e->tilt * sqrt((double)m);
-    return info == 0 ? SP_OK : sp_fail(err, SP_EFAILED, "dgeqrf: failed (info = %d)", info);
+    return status;
 }
 
 /* |G - 1|, and the norms of the residuals. small = W^T R. */
 static void find_residuals(enclosure *e) {
     const int64_t n = e->n, m = e->m;
     double most = 0;
-    multiply(true, m, m, n, e->t->left, n, e->t->right, n, 0, e->small, m);
+    sp_project(n, m, e->t->left, m, e->t->right, e->small);
     for (int64_t k = 0; k < m; k++) {
         e->small[k * m + k] -= 1;
         e->w[k] = norm(n, e->t->left + k * n);
@@ -109,7 +98,7 @@ static void find_residuals(enclosure *e) {
         for (int64_t k = 0; k < m; k++)
             out[k] = norm(n, e->x + k * n) + (side ? e->w[k] : 1) * e->rounding;
     }
-    multiply(true, m, m, n, e->t->left, n, e->x, n, 0, e->small, m);
+    sp_project(n, m, e->t->left, m, e->x, e->small);
 }
 
 /* |Q - (S - mu) X|. work: [2 n]. */
@@ -141,7 +130,7 @@ static sp_status is_above(enclosure *e, sp_ldl *factor, double mu, double free, 
         return sp_fail_memory(err, 2 * (size_t)n * sizeof *work);
     const double rest = rest_of(e, mu, work) + spoilt * size;
     sp_free(work);
-    multiply(true, m, m, n, e->q, n, e->x, n, 0, e->small, m);
+    sp_project(n, m, e->q, m, e->x, e->small);
     const double error = rest * size + rest * rest / free + (double)(n * m) * DBL_EPSILON * size;
     for (int64_t c = 0; c < m; c++)
         for (int64_t r = c; r < m; r++)
@@ -209,13 +198,10 @@ static void find_radii(enclosure *e, double bottom, double limit, double *radius
 
 static sp_status fill(enclosure *e, double bottom, double *complete, sp_discs *d, sp_error *err) {
     const size_t m = (size_t)e->m;
-    const sp_array arrays[] = {{&d->re, m}, {&d->im, m}, {&d->radius, m}, {&d->from, m}, {&d->to, m}, {0}};
-    double *block;
-    const sp_status status = sp_arrays_make(arrays, &block, err);
+    const sp_status status = sp_discs_empty(e->m, d, err);
     if (status != SP_OK)
         return status;
     *complete = 0.5 * (e->t->re[e->t->wanted - 1] + bottom);
-    d->n = e->m;
     memcpy(d->re, e->t->re, m * sizeof *d->re);
     memcpy(d->im, e->t->im, m * sizeof *d->im);
     find_radii(e, bottom, *complete, d->radius);

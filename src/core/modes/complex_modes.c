@@ -4,6 +4,7 @@
 #include "base/vector.h"
 #include "linalg/arrays.h"
 #include "linalg/two_sided.h"
+#include "modes/complex_vectors.h"
 #include "modes/count.h"
 #include "modes/mode_table.h"
 #include "network/null_motions.h"
@@ -42,7 +43,16 @@ static double root_error(double size, double reach) {
     return reach < size ? sqrt(size) - sqrt(size - reach) : sqrt(reach);
 }
 
-static void add_row(sp_complex_modes *m, number exponent, double error, double cosine, double sine) {
+/* The rows of the eigenvalues, and from which each row comes. */
+typedef struct rows {
+    sp_complex_modes m;
+    double *origin; /* [m.n] */
+    int64_t k;      /* the eigenvalue that is added */
+} rows;
+
+static void add_row(rows *t, number exponent, double error, double cosine, double sine) {
+    sp_complex_modes *m = &t->m;
+    t->origin[m->n] = (double)t->k;
     m->omega[m->n] = cimag(exponent);
     m->growth[m->n] = creal(exponent);
     m->error[m->n] = error;
@@ -51,26 +61,28 @@ static void add_row(sp_complex_modes *m, number exponent, double error, double c
 }
 
 /* Of a real eigenvalue the signal is weight sin(omega t)/omega, or weight cos(omega t) for displacements. */
-static void add_real(const sp_discs *d, int64_t k, bool moved, double reach, sp_complex_modes *m) {
+static void add_real(const sp_discs *d, bool moved, double reach, rows *t) {
+    const int64_t k = t->k;
     const double z = d->re[k], s = sqrt(fabs(z)), weight = d->to[k] * d->from[k], error = root_error(fabs(z), reach);
     if (z >= 0) {
-        add_row(m, number_of(0, s), error, moved ? weight : 0, moved || s == 0 ? 0 : weight / s);
+        add_row(t, number_of(0, s), error, moved ? weight : 0, moved || s == 0 ? 0 : weight / s);
         return;
     }
-    add_row(m, -s, error, moved ? 0.5 * weight : -0.5 * weight / s, 0);
-    add_row(m, s, error, moved ? 0.5 * weight : 0.5 * weight / s, 0);
+    add_row(t, -s, error, moved ? 0.5 * weight : -0.5 * weight / s, 0);
+    add_row(t, s, error, moved ? 0.5 * weight : 0.5 * weight / s, 0);
 }
 
 /* Of a pair k, k + 1 it is Re(weight f(z)), f = sin(s t)/s or cos(s t), s = sqrt(z) = omega + i growth. */
-static void add_pair(const sp_discs *d, int64_t k, bool moved, double reach, sp_complex_modes *m) {
+static void add_pair(const sp_discs *d, bool moved, double reach, rows *t) {
+    const int64_t k = t->k;
     const double *to = d->to + k, *from = d->from + k;
     const number z = number_of(d->re[k], d->im[k]), s = csqrt(z);
     const number weight = number_of(to[0] * from[0] + to[1] * from[1], to[1] * from[0] - to[0] * from[1]);
     const number g = moved ? 0.5 * weight : weight / (2 * _Complex_I * s);
     const double sign = moved ? 1 : -1, error = root_error(cabs(z), reach);
-    add_row(m, number_of(-cimag(s), creal(s)), error, creal(g), -cimag(g));
-    add_row(m, number_of(cimag(s), creal(s)), error, sign * creal(g), sign * cimag(g));
-    m->pairs++;
+    add_row(t, number_of(-cimag(s), creal(s)), error, creal(g), -cimag(g));
+    add_row(t, number_of(cimag(s), creal(s)), error, sign * creal(g), sign * cimag(g));
+    t->m.pairs++;
 }
 
 /* Discs of eigenvalues, of which all below `limit` are known, and of those that count as zero. */
@@ -81,23 +93,26 @@ typedef struct spectrum {
     sp_two_sided t; /* vectors, if there are any */
 } spectrum;
 
-static void add_rows(const spectrum *s, sp_source source, sp_complex_modes *m) {
+static void add_rows(const spectrum *s, sp_source source, rows *t) {
     const bool moved = source == SP_SOURCE_DISPLACEMENT;
     const sp_discs *d = &s->d;
-    for (int64_t k = 0; k < d->n; k++) {
-        if (s->reach[k] >= 0 && d->im[k] == 0)
-            add_real(d, k, moved, s->reach[k], m);
-        else if (s->reach[k] >= 0 && d->im[k] > 0)
-            add_pair(d, k, moved, s->reach[k], m);
+    for (t->k = 0; t->k < d->n; t->k++) {
+        const double reach = s->reach[t->k], im = d->im[t->k];
+        if (reach >= 0 && im == 0)
+            add_real(d, moved, reach, t);
+        else if (reach >= 0 && im > 0)
+            add_pair(d, moved, reach, t);
     }
 }
 
-/* By omega and then growth; rattlers stay first. */
-static sp_status sort_modes(const sp_complex_modes *m, sp_error *err) {
-    const int64_t first = m->rattlers;
-    double *const columns[] = {m->omega + first,  m->growth + first, m->error + first,
-                               m->cosine + first, m->sine + first,   NULL};
-    return sp_arrays_sort(m->n - first, columns, err);
+enum { COLUMNS = 6 };
+
+/* The columns from a row on, and NULL. */
+static void columns_from(const rows *t, int64_t row, double *columns[COLUMNS + 1]) {
+    double *const all[COLUMNS] = {t->m.omega, t->m.growth, t->m.error, t->m.cosine, t->m.sine, t->origin};
+    for (int c = 0; c < COLUMNS; c++)
+        columns[c] = all[c] + row;
+    columns[COLUMNS] = NULL;
 }
 
 /* A is scaled by the masses, and its symmetric part factored below the lowest eigenvalues that are expected. */
@@ -130,7 +145,7 @@ static sp_status find_some(const sp_network *net, int64_t wanted, int threads, s
     return status;
 }
 
-/* All eigenvalues, or the `some` lowest ones and more. */
+/* All eigenvalues, or the `some` lowest ones and more. Vectors of all only if they are wanted. */
 static sp_status spectrum_make(const sp_network *net, const sp_modes_options *opt, int64_t some, spectrum *s,
                                sp_error *err) {
     const size_t n = (size_t)sp_network_dofs(net);
@@ -139,7 +154,8 @@ static sp_status spectrum_make(const sp_network *net, const sp_modes_options *op
         from && to ? sp_modes_walls(net, opt->source, from, to, err) : sp_fail_memory(err, 2 * n * sizeof *to);
     *s = (spectrum){.limit = HUGE_VAL};
     if (status == SP_OK)
-        status = some ? find_some(net, some, opt->threads, s, err) : sp_network_discs(net, from, to, &s->d, err);
+        status = some ? find_some(net, some, opt->threads, s, err)
+                      : sp_network_discs(net, from, to, opt->vectors, &s->d, err);
     for (int64_t k = 0; k < s->t.count && status == SP_OK; k++) {
         s->d.from[k] = sp_dot((int64_t)n, s->t.left + k * (int64_t)n, from);
         s->d.to[k] = sp_dot((int64_t)n, s->t.right + k * (int64_t)n, to);
@@ -198,10 +214,24 @@ static sp_status drop_zeros(spectrum *s, int64_t known, double small, int64_t *z
     return SP_OK;
 }
 
+static void keep(rows *t, int64_t first, int64_t end) {
+    sp_complex_modes *m = &t->m;
+    double *from[COLUMNS + 1], *to[COLUMNS + 1];
+    columns_from(t, first, from);
+    columns_from(t, 0, to);
+    for (int c = 0; c < COLUMNS; c++)
+        memmove(to[c], from[c], (size_t)(end - first) * sizeof *to[c]);
+    m->first += first;
+    m->n = end - first;
+    m->pairs = 0;
+    for (int64_t k = 0; k < m->n; k++)
+        m->pairs += m->growth[k] > 0 && m->omega[k] > 0;
+}
+
 /* Keeps the rows of the lowest motions, and of all that share the last omega: the other one of a pair. */
-static sp_status cut(sp_complex_modes *m, int64_t lowest, double limit, sp_error *err) {
+static sp_status cut(rows *t, int64_t lowest, double limit, sp_error *err) {
+    sp_complex_modes *m = &t->m;
     int64_t n = lowest;
-    m->complete = sqrt(fmax(limit, 0));
     if (m->n < lowest && isinf(limit))
         return sp_fail(err, SP_EINVAL, "%lld lowest motions, must be 1 .. %lld besides zero motions", (long long)lowest,
                        (long long)m->n);
@@ -216,17 +246,32 @@ static sp_status cut(sp_complex_modes *m, int64_t lowest, double limit, sp_error
         n++;
     if (n < m->n)
         m->complete = fmin(m->complete, m->omega[n] - m->error[n]);
-    m->n = n;
-    m->pairs = 0;
-    for (int64_t k = 0; k < n; k++)
-        m->pairs += m->growth[k] > 0 && m->omega[k] > 0;
+    keep(t, 0, n);
+    return SP_OK;
+}
+
+/* Keeps the rows of a band, and of motions that may be in it. */
+static sp_status cut_band(rows *t, const sp_modes_range *r, sp_error *err) {
+    sp_complex_modes *m = &t->m;
+    int64_t first = 0, end = m->n;
+    if (isfinite(m->complete) && !(r->to < m->complete))
+        return sp_fail(err, SP_EREFUSED, "band up to omega = %.6g: only the motions below %.6g are proved to be all",
+                       r->to, m->complete);
+    while (first < end && m->omega[first] + m->error[first] < r->from)
+        first++;
+    while (end > first && m->omega[end - 1] - m->error[end - 1] > r->to)
+        end--;
+    for (int64_t k = first; k < end; k++)
+        m->on_edge += m->omega[k] - m->error[k] < r->from || m->omega[k] + m->error[k] > r->to;
+    keep(t, first, end);
     return SP_OK;
 }
 
 sp_complex_modes sp_complex_modes_none(void) { return (sp_complex_modes){0}; }
 
 void sp_complex_modes_free(sp_complex_modes *m) {
-    sp_free(m->omega); /* all arrays are one block */
+    sp_free(m->omega); /* a block with the other columns */
+    sp_free(m->right); /* and one with all vectors */
     *m = sp_complex_modes_none();
 }
 
@@ -237,23 +282,24 @@ static sp_status too_large(const sp_network *net, sp_error *err) {
                : sp_fail(
                      err, SP_EREFUSED,
                      "%lld degrees of freedom, must be at most %d for all modes of a nonsymmetric K, or few of them "
-                     "must be wanted (--lowest)",
+                     "must be wanted (--lowest, --band)",
                      (long long)n, SP_STABILITY_MAX);
 }
 
-static sp_status tabulate(const sp_network *net, sp_source source, const spectrum *s, bool rattlers,
-                          sp_complex_modes *m, sp_error *err) {
-    m->rattlers = rattlers ? (int64_t)net->rattlers * net->dof : 0;
-    const size_t rows = 2 * (size_t)s->d.n + (size_t)m->rattlers; /* if all are negative */
-    const sp_array arrays[] = {{&m->omega, rows},  {&m->growth, rows}, {&m->error, rows},
-                               {&m->cosine, rows}, {&m->sine, rows},   {0}};
-    double *block;
+static sp_status tabulate(sp_source source, const spectrum *s, rows *t, sp_error *err) {
+    sp_complex_modes *m = &t->m;
+    const size_t n = 2 * (size_t)s->d.n + (size_t)m->rattlers; /* if all are negative */
+    const sp_array arrays[] = {{&m->omega, n}, {&m->growth, n}, {&m->error, n}, {&m->cosine, n}, {&m->sine, n}, {0}};
+    double *block, *columns[COLUMNS + 1];
     const sp_status status = sp_arrays_make(arrays, &block, err);
     if (status != SP_OK)
         return status;
+    if (!(t->origin = sp_alloc(n, sizeof *t->origin)))
+        return sp_fail_memory(err, n * sizeof *t->origin);
     m->n = m->rattlers; /* rows of zeros */
-    add_rows(s, source, m);
-    return sort_modes(m, err);
+    add_rows(s, source, t);
+    columns_from(t, m->rattlers, columns); /* by omega and then growth */
+    return sp_arrays_sort(m->n - m->rattlers, columns, err);
 }
 
 /* The dense solver, where its n^3 is less than the rounds of the other one, whose basis must fit. */
@@ -280,46 +326,79 @@ static sp_status count_zeros(const sp_network *net, int64_t *count, sp_error *er
     return status;
 }
 
-/* lowest = 0: all. */
-static sp_status make(const sp_network *net, const sp_modes_options *opt, int64_t lowest, sp_complex_modes *out,
-                      sp_error *err) {
-    sp_complex_modes m = {.complete = HUGE_VAL};
-    const double top = sp_network_omega_bound(net);
-    spectrum s = {0};
-    int64_t known = 0;
-    sp_status status = lowest > 0 ? count_zeros(net, &known, err) : SP_OK;
-    m.sparse = lowest > 0 && !is_dense(net, opt, lowest + known);
-    if (status == SP_OK && !m.sparse)
-        status = too_large(net, err);
+/* How many of the lowest eigenvalues the band needs: about as many as of the symmetric part lie below its end. */
+static sp_status count_band(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *r,
+                            int64_t *wanted, sp_error *err) {
+    int64_t least, most = 0;
+    counter c = {0};
+    *wanted = sp_network_dofs(net);
+    if (isinf(r->to) || is_dense(net, opt, 1))
+        return SP_OK;
+    sp_status status = sp_counter_make(net, &c, err);
     if (status == SP_OK)
-        status = spectrum_make(net, opt, m.sparse ? lowest + known : 0, &s, err);
-    if (status == SP_OK && lowest > 0) {
-        drop_beyond(&s);
-        status = drop_zeros(&s, known, BALANCED * top * top, &m.zero, err);
-    }
-    if (status == SP_OK)
-        status = tabulate(net, opt->source, &s, lowest == 0, &m, err);
-    if (status == SP_OK && lowest > 0)
-        status = cut(&m, lowest, s.limit, err);
-    m.first = (int64_t)net->rattlers * net->dof - m.rattlers + m.zero;
-    spectrum_free(&s);
-    if (status == SP_OK)
-        *out = m;
-    else
-        sp_complex_modes_free(&m);
+        status = sp_counter_below(&c, r->to * r->to, &least, &most, err);
+    *wanted = most + 2 + most / 20;
+    sp_counter_free(&c);
     return status;
 }
 
-sp_status sp_complex_modes_make(const sp_network *net, sp_source source, sp_complex_modes *out, sp_error *err) {
-    const sp_modes_options opt = {.source = source};
-    return make(net, &opt, 0, out, err);
+static sp_status make_rows(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *r, spectrum *s,
+                           rows *t, sp_error *err) {
+    const double top = sp_network_omega_bound(net);
+    const bool part = !sp_modes_range_is_whole(r);
+    const int64_t rattlers = (int64_t)net->rattlers * net->dof;
+    sp_complex_modes *m = &t->m;
+    int64_t wanted = 0, known = 0;
+    sp_status status = part ? count_zeros(net, &known, err) : SP_OK;
+    wanted = r->lowest + known;
+    if (status == SP_OK && part && r->lowest == 0)
+        status = count_band(net, opt, r, &wanted, err);
+    m->sparse = part && !is_dense(net, opt, wanted);
+    if (status == SP_OK && !m->sparse)
+        status = too_large(net, err);
+    if (status == SP_OK)
+        status = spectrum_make(net, opt, m->sparse ? wanted : 0, s, err);
+    if (status == SP_OK && part) {
+        drop_beyond(s);
+        status = drop_zeros(s, known, BALANCED * top * top, &m->zero, err);
+    }
+    m->complete = sqrt(fmax(s->limit, 0));
+    m->rattlers = part ? 0 : rattlers;
+    m->first = rattlers - m->rattlers + m->zero;
+    if (status == SP_OK)
+        status = tabulate(opt->source, s, t, err);
+    if (status == SP_OK && part)
+        status = r->lowest > 0 ? cut(t, r->lowest, s->limit, err) : cut_band(t, r, err);
+    return status;
 }
 
-sp_status sp_complex_modes_lowest(const sp_network *net, const sp_modes_options *opt, int64_t lowest,
-                                  sp_complex_modes *out, sp_error *err) {
-    const int64_t n = sp_network_dofs(net);
-    if (lowest < 1 || lowest > n)
-        return sp_fail(err, SP_EINVAL, "%lld lowest modes, must be 1 .. %lld, the degrees of freedom of the network",
-                       (long long)lowest, (long long)n);
-    return make(net, opt, lowest, out, err);
+static sp_status check(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *r, sp_error *err) {
+    const char *const what = "modes with prestress and friction";
+    if (opt->solver == SP_SOLVER_ARPACK)
+        return sp_fail(err, SP_EINVAL, "%s: the solver is arpack, must be lanczos, dense or auto", what);
+    if (r->zero)
+        return sp_fail(err, SP_EINVAL,
+                       "%s: zero motions have no rows beside the lowest: their vectors are not definite", what);
+    return sp_modes_check_range(net, r, err);
+}
+
+sp_status sp_complex_modes_make(const sp_network *net, const sp_modes_options *opt, const sp_modes_range *range,
+                                sp_complex_modes *out, sp_error *err) {
+    spectrum s = {0};
+    rows t = {.m = {.dofs = sp_network_dofs(net), .residual = NAN, .orthogonality = NAN}};
+    sp_status status = check(net, opt, range, err);
+    if (status == SP_OK)
+        status = make_rows(net, opt, range, &s, &t, err);
+    if (status == SP_OK && opt->vectors) {
+        const bool few = s.t.right != NULL;
+        const sp_vector_pairs pairs = {s.d.im, few ? s.t.right : s.d.right, few ? s.t.left : s.d.left, t.origin};
+        status = sp_complex_vectors_make(net, &pairs, &t.m, err);
+    }
+    spectrum_free(&s);
+    sp_free(t.origin);
+    if (status == SP_OK)
+        *out = t.m;
+    else
+        sp_complex_modes_free(&t.m);
+    return status;
 }

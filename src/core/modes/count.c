@@ -11,13 +11,13 @@ void sp_scale_by_masses(const sp_network *net, sp_sparse *k) {
             k->x[q] /= sqrt(net->mass[c]) * sqrt(net->mass[k->i[q]]);
 }
 
-sp_status sp_network_discs(const sp_network *net, const double *source, const double *detector, sp_discs *out,
-                           sp_error *err) {
+sp_status sp_network_discs(const sp_network *net, const double *source, const double *detector, bool vectors,
+                           sp_discs *out, sp_error *err) {
     sp_sparse a = {0};
     sp_status status = sp_network_assemble_whole(net, &a, err);
     if (status == SP_OK) {
         sp_scale_by_masses(net, &a);
-        status = sp_discs_make(&a, source, detector, out, err);
+        status = sp_discs_make(&a, source, detector, vectors, out, err);
     }
     sp_sparse_free(&a);
     return status;

@@ -15,8 +15,8 @@ typedef struct counter {
 void sp_scale_by_masses(const sp_network *net, sp_sparse *k);
 
 /* Discs around the eigenvalues of A with all entries, as sp_discs_make has them. */
-sp_status sp_network_discs(const sp_network *net, const double *source, const double *detector, sp_discs *out,
-                           sp_error *err);
+sp_status sp_network_discs(const sp_network *net, const double *source, const double *detector, bool vectors,
+                           sp_discs *out, sp_error *err);
 
 sp_status sp_counter_make(const sp_network *net, counter *out, sp_error *err);
 void sp_counter_free(counter *c);

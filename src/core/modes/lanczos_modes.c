@@ -19,7 +19,7 @@ static sp_status too_many(int64_t lowest, int64_t most, sp_error *err) {
                    (long long)lowest, (long long)most);
 }
 
-static sp_status check(const sp_network *net, const sp_modes_range *r, sp_error *err) {
+sp_status sp_modes_check_range(const sp_network *net, const sp_modes_range *r, sp_error *err) {
     const int64_t n = sp_network_dofs(net);
     if (r->lowest < 0 || r->lowest > n)
         return sp_fail(err, SP_EINVAL, "%lld lowest modes, must be 1 .. %lld, the degrees of freedom of the network",
@@ -30,11 +30,18 @@ static sp_status check(const sp_network *net, const sp_modes_range *r, sp_error 
         return sp_fail(err, SP_EINVAL,
                        "zero modes are an option of the lowest modes: a band from 0 has all of them, any "
                        "other band none");
-    return sp_network_need_symmetry(net, "a table of modes", err);
+    return SP_OK;
 }
 
+static sp_status check(const sp_network *net, const sp_modes_range *r, sp_error *err) {
+    const sp_status status = sp_modes_check_range(net, r, err);
+    return status == SP_OK ? sp_network_need_symmetry(net, "a table of modes", err) : status;
+}
+
+bool sp_modes_range_is_whole(const sp_modes_range *r) { return r->lowest == 0 && r->from == 0 && isinf(r->to); }
+
 static bool is_all(const sp_network *net, const sp_modes_range *r) {
-    return r->lowest == sp_network_dofs(net) || (r->lowest == 0 && r->from == 0 && isinf(r->to));
+    return r->lowest == sp_network_dofs(net) || sp_modes_range_is_whole(r);
 }
 
 /* -1 below the band, 1 above, 0 inside or possibly inside; *edge counts the doubtful cases. */

@@ -22,6 +22,10 @@ typedef struct sp_mode_pairs {
 sp_status sp_modes_tabulate(const sp_network *net, sp_source source, const sp_mode_pairs *set, sp_modes *out,
                             sp_error *err);
 
+/* SP_EINVAL for a number of modes or a band that cannot be. */
+sp_status sp_modes_check_range(const sp_network *net, const sp_modes_range *r, sp_error *err);
+bool sp_modes_range_is_whole(const sp_modes_range *r);
+
 /* The mass-weighted source and detector, [dofs] each: NAN where the network does not touch the wall. */
 sp_status sp_modes_walls(const sp_network *net, sp_source source, double *from, double *to, sp_error *err);
 

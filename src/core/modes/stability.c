@@ -165,7 +165,7 @@ static sp_status classify_discs(const sp_discs *all, const imbalance *r, sp_stab
 
 static sp_status by_discs(const sp_network *net, const imbalance *r, sp_stability *s, sp_error *err) {
     sp_discs d = {0};
-    sp_status status = sp_network_discs(net, NULL, NULL, &d, err);
+    sp_status status = sp_network_discs(net, NULL, NULL, false, &d, err);
     if (status == SP_OK)
         status = classify_discs(&d, r, s, err);
     s->dense = true;

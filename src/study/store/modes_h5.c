@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Increased when older versions would misread the format. */
-enum { MODES_FORMAT = 1 };
+enum { MODES_FORMAT = 1, COMPLEX_FORMAT = 2 };
 
 #define FREQUENCY "sqrt(E* / rho)/d"
 
@@ -68,6 +68,44 @@ static const sp_h5_field field[] = {
 };
 enum { FIELDS = sizeof field / sizeof *field };
 
+/* The same of modes that may grow, without those of rattlers; offset: in sp_complex_modes. */
+static const struct mode_array complex_array[] = {
+    {{"/modes/omega", FREQUENCY, "imaginary part of the exponent: the motion is M^(-1/2) e exp((growth + i omega) t)"},
+     offsetof(sp_complex_modes, omega)},
+    {{"/modes/growth", FREQUENCY, "real part of the exponent; negative: the motion decays"},
+     offsetof(sp_complex_modes, growth)},
+    {{"/modes/error", FREQUENCY, "upper bound of |growth + i omega - exact|"}, offsetof(sp_complex_modes, error)},
+    {{"/modes/cosine", "E* d^2", "signal = sum exp(growth t) (cosine cos(omega t) + sine sin(omega t))"},
+     offsetof(sp_complex_modes, cosine)},
+    {{"/modes/sine", "E* d^2", "see cosine"}, offsetof(sp_complex_modes, sine)},
+};
+enum { COMPLEX_ARRAYS = sizeof complex_array / sizeof *complex_array };
+
+static const struct mode_array complex_vector[] = {
+    {{"/modes/vector", "1",
+      "real part of e, one mode a row: A e = -(growth + i omega)^2 e, A = M^(-1/2) J M^(-1/2), |e| = 1, the largest "
+      "component positive"},
+     offsetof(sp_complex_modes, right)},
+    {{"/modes/vector_imaginary", "1", "imaginary part of e"}, offsetof(sp_complex_modes, right_im)},
+    {{"/modes/left", "1", "real part of f: A^T f = -(growth + i omega)^2 f, f . e = 1 without conjugation"},
+     offsetof(sp_complex_modes, left)},
+    {{"/modes/left_imaginary", "1", "imaginary part of f"}, offsetof(sp_complex_modes, left_im)},
+};
+
+#define OF_COMPLEX(path, type, member, unit, meaning)                                                                  \
+    { {"/modes/" path, unit, meaning}, SP_H5_##type, offsetof(sp_complex_modes, member) }
+static const sp_h5_field complex_field[] = {
+    OF_COMPLEX("first", I64, first, "1", "motions of the whole spectrum below the first of this file"),
+    OF_COMPLEX("pairs", I64, pairs, "1", "complex pairs of omega^2"),
+    OF_COMPLEX("zero_motions", I64, zero, "1", "motions that count as zero and have no rows"),
+    OF_COMPLEX("on_edge", I64, on_edge, "1", "motions within their own error of an end of the band"),
+    OF_COMPLEX("complete", F64, complete, FREQUENCY, "no motion below this omega is missing, but zero motions"),
+    OF_COMPLEX("residual", F64, residual, "1",
+               "largest |A e - z e| and |A^T f - z f|/|f| over the square of the bound of all frequencies"),
+    OF_COMPLEX("orthogonality", F64, orthogonality, "1", "largest |f_m . e_n - delta_mn|"),
+};
+enum { COMPLEX_FIELDS = sizeof complex_field / sizeof *complex_field };
+
 /* The network, and what a mode is. */
 typedef struct network_numbers {
     double threshold;
@@ -107,12 +145,22 @@ static void put_vector_errors(sp_h5 *h, const sp_modes *m, const sp_network *net
     sp_free(error);
 }
 
-static sp_status check(const sp_modes *m, const sp_packing *p, const sp_network *net, sp_error *err) {
-    if (m->n > 0 && (!m->a || (!m->vectors && m->n > m->n_rattler)))
+/* What a file belongs to. */
+typedef struct place {
+    const sp_packing *p;
+    const sp_network *net;
+    const sp_modes_made *made;
+} place;
+
+static sp_status check(const place *at, int64_t dofs, bool vectors, sp_error *err) {
+    if (!vectors)
         return sp_fail(err, SP_EINVAL, "modes without vectors: nothing to save");
-    if (m->dofs != sp_network_dofs(net) || net->n_all != p->n || net->dim != p->dim)
+    if (dofs != sp_network_dofs(at->net) || at->net->n_all != at->p->n || at->net->dim != at->p->dim)
         return sp_fail(err, SP_EINVAL, "modes of %lld degrees of freedom, network of %lld, packing of %d grains",
-                       (long long)m->dofs, (long long)sp_network_dofs(net), p->n);
+                       (long long)dofs, (long long)sp_network_dofs(at->net), at->p->n);
+    if (at->made->network.tangential != SP_SPRINGS_CONSTANT)
+        return sp_fail_key(err, SP_EREFUSED, "network.tangential",
+                           ": must be \"constant\" for a file of modes, which cannot say otherwise");
     return SP_OK;
 }
 
@@ -142,43 +190,84 @@ static void put_columns(sp_h5 *h, const sp_network *net) {
     sp_free(column);
 }
 
-static void put_all(sp_h5 *h, const sp_modes *m, const sp_packing *p, const sp_network *net,
-                    const sp_modes_made *made) {
-    const sp_h5_shape modes = {1, {m->n}}, columns = {1, {m->dofs}}, vectors = {2, {m->n - m->n_rattler, m->dofs}};
+static void put_head(sp_h5 *h, const place *at, int32_t format) {
     const char *const version = SONOPACK_VERSION;
-    const int32_t format = MODES_FORMAT;
-    const uint64_t hash = sp_packing_hash(p);
-    const network_numbers numbers = {made->network.threshold, made->network.prestress, made->network.sliding_free,
-                                     net->dim, net->dof};
-    sp_modes all = *m;
+    const uint64_t hash = sp_packing_hash(at->p);
     sp_h5_group(h, "/modes");
     sp_h5_attribute_ints(h, "/modes", "format", 0, &format);
     sp_h5_attribute_texts(h, "/modes", "version", 0, &version);
     sp_h5_put(h, &name_packing, SP_H5_U64, &single, &hash);
-    sp_h5_put_fields(h, FIELDS, field, m);
+}
+
+static void put_network(sp_h5 *h, const place *at) {
+    const sp_network_options *o = &at->made->network;
+    const network_numbers numbers = {o->threshold, o->prestress, o->sliding_free, at->net->dim, at->net->dof};
     sp_h5_put_fields(h, NETWORK_FIELDS, network_field, &numbers);
-    sp_h5_put_text(h, &name_source, sources[made->source]);
+    sp_h5_put_text(h, &name_source, sources[at->made->source]);
+}
+
+static void put_mass(sp_h5 *h, const sp_network *net) {
+    const sp_h5_shape columns = {1, {sp_network_dofs(net)}};
+    put_columns(h, net);
+    sp_h5_put(h, &name_mass, SP_H5_F64, &columns, net->mass);
+}
+
+static void put_all(sp_h5 *h, const sp_modes *m, const place *at) {
+    const sp_h5_shape modes = {1, {m->n}}, vectors = {2, {m->n - m->n_rattler, m->dofs}};
+    sp_modes all = *m;
+    put_head(h, at, MODES_FORMAT);
+    sp_h5_put_fields(h, FIELDS, field, m);
+    put_network(h, at);
     sp_h5_put_text(h, &name_solver, solvers[m->solver]);
     for (int k = 0; k < ARRAYS; k++)
         sp_h5_put(h, &array[k].name, SP_H5_F64, &modes, *array_at(k, &all));
-    put_columns(h, net);
-    sp_h5_put(h, &name_mass, SP_H5_F64, &columns, net->mass);
-    put_vector_errors(h, m, net);
+    put_mass(h, at->net);
+    put_vector_errors(h, m, at->net);
     sp_h5_put_rows(h, &name_vector, SP_H5_F64, &vectors, m->vectors);
+}
+
+static const double *complex_at(const struct mode_array *a, const sp_complex_modes *m) {
+    return *(double *const *)(const void *)((const char *)m + a->offset);
+}
+
+static void put_complex(sp_h5 *h, const sp_complex_modes *m, const place *at) {
+    const sp_h5_shape modes = {1, {m->n - m->rattlers}}, vectors = {2, {modes.dim[0], m->dofs}};
+    sp_complex_modes rest = *m;
+    rest.first += m->rattlers;
+    put_head(h, at, COMPLEX_FORMAT);
+    sp_h5_put_fields(h, COMPLEX_FIELDS, complex_field, &rest);
+    put_network(h, at);
+    for (const struct mode_array *a = complex_array; a < complex_array + COMPLEX_ARRAYS; a++)
+        sp_h5_put(h, &a->name, SP_H5_F64, &modes, complex_at(a, m) + m->rattlers);
+    put_mass(h, at->net);
+    for (const struct mode_array *a = complex_vector; a < complex_vector + 4; a++)
+        sp_h5_put_rows(h, &a->name, SP_H5_F64, &vectors, complex_at(a, m));
 }
 
 sp_status sp_modes_save(const sp_modes *m, const sp_packing *p, const sp_network *net, const sp_modes_made *made,
                         const char *path, sp_error *err) {
+    const place at = {p, net, made};
+    const bool vectors = m->n == 0 || (m->a && (m->vectors || m->n == m->n_rattler));
+    const sp_status status = check(&at, m->dofs, vectors, err);
     sp_h5 h;
-    sp_status status = check(m, p, net, err);
-    if (status == SP_OK && made->network.tangential != SP_SPRINGS_CONSTANT)
-        status = sp_fail_key(err, SP_EREFUSED, "network.tangential",
-                             ": must be \"constant\" for a file of modes, which cannot say otherwise");
     if (status != SP_OK)
         return status;
     sp_folder_clean_beside(path); /* drafts are large, and so is what a killed process leaves */
     if (sp_h5_create(&h, path, err) == SP_OK)
-        put_all(&h, m, p, net, made);
+        put_all(&h, m, &at);
+    return sp_h5_close(&h);
+}
+
+sp_status sp_complex_modes_save(const sp_complex_modes *m, const sp_packing *p, const sp_network *net,
+                                const sp_modes_made *made, const char *path, sp_error *err) {
+    const place at = {p, net, made};
+    const sp_status status = check(&at, m->dofs, m->right || m->n == m->rattlers, err);
+    sp_h5 h;
+    if (status != SP_OK)
+        return status;
+    sp_folder_clean_beside(path);
+    if (sp_h5_create(&h, path, err) == SP_OK)
+        put_complex(&h, m, &at);
     return sp_h5_close(&h);
 }
 
@@ -199,7 +288,11 @@ static void get_head(sp_h5 *h, const sp_packing *p, sp_modes_file *f) {
     int source = 0, solver = 0;
     if (!sp_h5_has(h, "/modes"))
         sp_h5_fail(h, SP_EFORMAT, "no group /modes: not a file of `sonopack modes --vectors'");
-    if (sp_h5_attribute_int(h, "/modes", "format", &format) == SP_OK && format != MODES_FORMAT)
+    if (sp_h5_attribute_int(h, "/modes", "format", &format) == SP_OK && format == COMPLEX_FORMAT)
+        sp_h5_fail(h, SP_EFORMAT,
+                   "modes that may grow; must be a table of one, of `sonopack modes --vectors FILE.tsv "
+                   "--mode N'");
+    if (h->status == SP_OK && format != MODES_FORMAT)
         sp_h5_fail(h, SP_EFORMAT, "format %lld of /modes; this version reads format %d", (long long)format,
                    MODES_FORMAT);
     sp_h5_get(h, name_packing.path, SP_H5_U64, &single, &f->packing);

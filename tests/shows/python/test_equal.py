@@ -104,6 +104,15 @@ def test_modes():
               ["omega", "growth", "cosine", "sine", "error"], "complex")
     all_equal(table("modes", "P.h5", "--prestress", "--lowest", 4),
               packing().network(prestress=True).complex_modes(lowest=4), ["omega", "growth", "sine"], "lowest complex")
+    read = table("modes", "P.h5", "--prestress", "--band", "0.1:0.3", "--vectors", "C.h5")
+    growing = packing().network(prestress=True).complex_modes(band=(0.1, 0.3))
+    all_equal(read, growing, ["omega", "growth", "error"], "band of complex")
+    growing.save("D.h5")
+    assert filecmp.cmp("C.h5", "D.h5", shallow=False), "the files of complex vectors differ"
+    right, left = (v.reshape(growing.n, -1) for v in (growing.right, growing.left))
+    assert np.abs(left @ right.T - np.eye(growing.n)).max() <= growing.orthogonality + 1e-13 < 1e-10
+    assert np.array_equal(growing.displacement(2), growing.right[2] / growing.network.mass**0.5)
+    assert not hasattr(packing().network(prestress=True).complex_modes(lowest=4, vectors=False), "right")
     command("modes", "P.h5", "--lowest", 5, "--vectors", "V.h5", "--quiet", "-o", "v.tsv")
     network.modes(lowest=5).save("W.h5")
     assert filecmp.cmp("V.h5", "W.h5", shallow=False), "the files of vectors differ"

@@ -13,6 +13,7 @@ import sys
 import types
 
 import numpy as np
+import pytest
 from common import COMMAND, SOURCE
 
 EXAMPLES = SOURCE / "python/examples"
@@ -59,18 +60,6 @@ def test_speed_of_sound():
         assert pathlib.Path("figure.png").read_bytes()[1:4] == b"PNG", "no figure"
 
 
-def test_own_data():
-    text = script("own_data.py")
-    assert "720 contacts" in text and number("balance by #", text) < 1e-9, text
-    assert 68 < number("t10 = #", text) < 71, text
-
-
-def test_modes_and_scipy():
-    text = script("modes_and_scipy.py")
-    pairs = re.findall(r"^  ([\d.]+)  ([\d.]+)  [\d.e-]+$", text, re.M)
-    assert len(pairs) == 8 and all(abs(float(a) - float(b)) < 1e-7 for a, b in pairs), text
-
-
 def outputs_of(cell):
     """What a code cell printed when the notebook was saved, without its figures."""
     text = ""
@@ -90,10 +79,11 @@ def run_cell(source, space):
             print(repr(value))
 
 
-def test_notebook():
+@pytest.mark.parametrize("name", sorted(path.name for path in EXAMPLES.glob("*.ipynb")))
+def test_notebook(name):
     """The cells, run one after the other as a notebook runs them, print what is saved in the file."""
     space, seen = {"__name__": "__main__"}, 0
-    for cell in json.loads((EXAMPLES / "speed_against_pressure.ipynb").read_text())["cells"]:
+    for cell in json.loads((EXAMPLES / name).read_text())["cells"]:
         if cell["cell_type"] != "code":
             continue
         source, printed = "".join(cell["source"]), io.StringIO()
@@ -103,7 +93,7 @@ def test_notebook():
         seen += expected != ""
         if "Figure" not in expected and "plt" not in source:
             assert printed.getvalue().strip() == expected, (source, printed.getvalue(), expected)
-    assert seen >= 5, ("cells with output", seen)
+    assert seen >= 3, ("cells with output", seen)
 
 
 def test_page():
