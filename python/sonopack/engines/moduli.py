@@ -38,6 +38,8 @@ def run(a: argparse.Namespace) -> int:
 def _compute(a: argparse.Namespace, net: Network) -> Table:
     if a.probe or a.strain:
         raise usage(f"--engine petsc: has the moduli of small homogeneous strains alone, not --{'probe' if a.probe else 'strain'}")
+    if net.cell == "ring":
+        raise Failed(f"{net.path}: the walls are rings: an imposed strain needs flat walls or a periodic cell")
     c, error = _stiffness(net)
     up = net.dim - 1
     if not c[up, up] > error[up, up]:

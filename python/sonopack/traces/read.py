@@ -349,8 +349,9 @@ def _own(path: str) -> list[Trace]:
     t, note = even(table["t"].astype(float), path)
     found = []
     for name in (name for name in table.names if name != "t" and table[name].dtype.kind == "f"):
-        to = re.match(r"from bottom\S* to plane:([0-9.eE+-]+)", table.metadata.get(name, ""))
-        top = table.metadata.get("height", "") if len(table.names) == 2 else ""
+        said = table.metadata.get(name, "")
+        to = re.match(r"from bottom\S* to plane:([0-9.eE+-]+)", said)
+        top = table.metadata.get("height", "") if len(table.names) == 2 or re.match(r"from bottom\S* to top", said) else ""
         distance = float(to[1]) if to else _float(top.split(" ")[0]) or math.nan
         found.append(Trace(path, name, t * MICROSECONDS.get(unit, 1.0), table[name].astype(float),
                            "us" if unit in MICROSECONDS else unit, table.units[name], distance, [note] if note else []))

@@ -284,15 +284,16 @@ static sp_status list_parts(const sp_network *net, sp_uncertainty *out, sp_error
     return SP_OK;
 }
 
-/* A missing contact has no stiffness from which to differentiate, and prestress adds forces that are held here. */
-static bool differentiable(const sp_errors *e, const sp_uncertainty_options *o) {
-    return e->missing == 0 && !o->network.prestress;
+/* A missing contact has no stiffness from which to differentiate, prestress adds forces that are held here, and a
+ * normal of a ring turns with the place of its grain. */
+static bool differentiable(const sp_errors *e, const sp_uncertainty_options *o, const sp_packing *p) {
+    return e->missing == 0 && !o->network.prestress && p->cell != SP_CELL_RING;
 }
 
 sp_status sp_uncertain_first_order(const sp_quantities *q, const sp_drawing *d, const sp_packing *p,
                                    sp_uncertainty *out, sp_error *err) {
     first_order f = {.q = q, .errors = d->errors, .out = out};
-    if (!differentiable(d->errors, q->opt))
+    if (!differentiable(d->errors, q->opt, p))
         return SP_OK;
     sp_status status = prepare(&f, p, err);
     if (status == SP_OK && q->opt->parts)

@@ -14,7 +14,30 @@
 
 sp_place sp_place_wall(void) { return (sp_place){.kind = SP_PLACE_WALL}; }
 
-static int axis_of(const sp_network *net, const sp_place *at) { return at->shear ? 0 : net->dim - 1; }
+/* The direction of a plane at a point: the up axis, or x (shear); of a ring along its radius, or across. */
+static void way_at(const sp_network *net, const sp_place *at, const double x[3], double way[3]) {
+    way[0] = way[1] = way[2] = 0;
+    if (net->cell != SP_CELL_RING) {
+        way[at->shear ? 0 : net->dim - 1] = 1;
+        return;
+    }
+    const double c = 0.5 * net->box[0], r = hypot(x[0] - c, x[1] - c);
+    way[0] = (at->shear ? x[1] - c : x[0] - c) / r;
+    way[1] = (at->shear ? c - x[0] : x[1] - c) / r;
+}
+
+/* The same at the contact of a spring. */
+static void way_of(const sp_network *net, const sp_place *at, const sp_spring *s, double way[3]) {
+    double x[3];
+    for (int a = 0; a < 3; a++)
+        x[a] = net->x[3 * (int64_t)s->i + a] + s->ri * s->n[a];
+    way_at(net, at, x, way);
+}
+
+static double height_of(const sp_network *net, int32_t grain) {
+    const double *x = net->x + 3 * (int64_t)grain;
+    return net->cell == SP_CELL_RING ? sp_ring_level(net->box, x) : x[net->dim - 1];
+}
 
 /* Largest component along a wall of its normal that counts as rounding: normals may come in single precision. */
 static const double LEVEL = 1e-7;
@@ -40,6 +63,8 @@ static void set_way(const sp_network *net, int32_t wall, bool shear, const doubl
 }
 
 sp_status sp_network_need_level_walls(const sp_network *net, const char *what, sp_error *err) {
+    if (net->cell == SP_CELL_RING)
+        return sp_cell_need_flat(net->cell, what, err);
     for (int32_t k = net->n_bulk; k < net->n_springs; k++) {
         const sp_spring *s = &net->springs[k];
         if (!is_level(net, s))
@@ -58,8 +83,8 @@ static void add_row(const sp_network *net, const sp_spring *s, int width, double
         out[(int64_t)(a < net->dof ? s->i : s->j) * net->dof + a % net->dof] -= stiffness * row[a] * push;
 }
 
-/* Component of a gap along the way of the wall. */
-static double gap_along(const sp_network *net, const double *gap, const double way[3]) {
+/* Component of a gap along a way. */
+static double along(const sp_network *net, const double *gap, const double way[3]) {
     double sum = 0;
     for (int a = 0; a < net->dim; a++)
         sum += gap[a] * way[a];
@@ -78,10 +103,10 @@ static void add_wall_spring(const sp_network *net, int32_t k, bool shear, double
     set_way(net, s->j, shear, s->n, way);
     sp_network_turns(net, k, &turns);
     for (int q = 0; q < turns.count && s->j == SP_TOP; q++)
-        add_row(net, s, net->dof, 1, turns.right[q], gap_along(net, turns.left_gap[q], way), out);
+        add_row(net, s, net->dof, 1, turns.right[q], along(net, turns.left_gap[q], way), out);
     sp_network_rows(net, s, &rows);
     for (int q = 0; q < rows.count; q++)
-        add_row(net, s, net->dof, rows.k[q], rows.b[q], gap_along(net, rows.gap[q], way), out);
+        add_row(net, s, net->dof, rows.k[q], rows.b[q], along(net, rows.gap[q], way), out);
 }
 
 /* x of a grain's centre, in [0, period) where the network is periodic. */
@@ -124,6 +149,11 @@ static int32_t add_wall(const sp_network *net, const sp_place *at, int32_t wall,
         count++;
     }
     return count;
+}
+
+/* A ring has directions everywhere. */
+static sp_status need_directions(const sp_network *net, const char *what, sp_error *err) {
+    return net->cell == SP_CELL_RING ? SP_OK : sp_network_need_level_walls(net, what, err);
 }
 
 static sp_status find_grain(const sp_network *net, const sp_place *at, int32_t *row, sp_error *err) {
@@ -189,7 +219,7 @@ static sp_status begin(const sp_network *net, const sp_place *at, bool source, d
     if (at->kind == SP_PLACE_DISC)
         status = check_disc(net, at, err);
     if (status == SP_OK && at->kind == SP_PLACE_PLANE)
-        status = sp_network_need_level_walls(net, "a plane", err);
+        status = need_directions(net, "a plane", err);
     if (status == SP_OK && at->kind == SP_PLACE_PART)
         status = sp_network_need_level_walls(net, "a part of a wall", err);
     if (status == SP_OK && at->shear && net->dim == 3)
@@ -211,17 +241,25 @@ static sp_status nothing_there(const sp_place *at, const char *wall, const char 
 /* Half the thickness of the layer of grains that a plane moves: half a mean diameter. */
 static const double LAYER = 0.5;
 
+/* Moves a grain by a unit. */
+static void add_unit(const sp_network *net, const sp_place *at, int32_t grain, double *out) {
+    double way[3];
+    way_at(net, at, net->x + 3 * (int64_t)grain, way);
+    for (int a = 0; a < net->dim; a++)
+        out[(int64_t)grain * net->dof + a] = way[a];
+}
+
 /* Moves the grains of the layer at a plane, across the period of the cell. Returns their number. */
 static int32_t add_layer(const sp_network *net, const sp_place *at, double *out) {
     const int up = net->dim - 1;
     int32_t count = 0;
     for (int32_t i = 0; i < net->n; i++) {
-        double above = net->x[3 * (int64_t)i + up] - at->height;
+        double above = height_of(net, i) - at->height;
         if (sp_network_periodic(net, up))
             above -= net->box[up] * floor((above + LAYER) / net->box[up]);
         if (!(above >= -LAYER && above < LAYER))
             continue;
-        out[(int64_t)i * net->dof + axis_of(net, at)] = 1;
+        add_unit(net, at, i, out);
         count++;
     }
     return count;
@@ -242,27 +280,30 @@ sp_status sp_network_source_at(const sp_network *net, sp_source source, const sp
     } else if (add_wall(net, at, SP_BOTTOM, out) == 0) {
         if (row < 0)
             return nothing_there(at, "bottom", "sent in", err);
-        status = sp_network_need_level_walls(net, "a grain that does not touch the bottom wall", err);
+        status = need_directions(net, "a grain that does not touch the bottom wall", err);
         if (status != SP_OK)
             return status;
-        out[(int64_t)row * net->dof + axis_of(net, at)] = 1;
+        add_unit(net, at, row, out);
     }
     for (int64_t k = 0; source == SP_SOURCE_VELOCITY && k < sp_network_dofs(net); k++)
         out[k] *= net->mass[k];
     return SP_OK;
 }
 
-/* Adds the force on one end of a spring: on i (end 0), or on j or the wall (end 1). */
-static void add_force(const sp_network *net, int32_t k, int end, int axis, double *out) {
+/* Adds the force on one end of a spring along the way of the place: on i (end 0), or on j or the wall (end 1). */
+static void add_force(const sp_network *net, const sp_place *at, int32_t k, int end, double *out) {
     const sp_spring *s = &net->springs[k];
+    double way[3];
+    way_of(net, at, s, way);
     sp_rows rows;
     sp_turns turns;
     sp_network_rows(net, s, &rows);
     sp_network_turns(net, k, &turns);
     for (int q = 0; q < rows.count; q++)
-        add_row(net, s, rows.width, rows.k[q], rows.b[q], end == 0 ? rows.b[q][axis] : rows.gap[q][axis], out);
+        add_row(net, s, rows.width, rows.k[q], rows.b[q], along(net, end == 0 ? rows.b[q] : rows.gap[q], way), out);
     for (int q = 0; q < turns.count; q++)
-        add_row(net, s, turns.width, 1, turns.right[q], end == 0 ? turns.left[q][axis] : turns.left_gap[q][axis], out);
+        add_row(net, s, turns.width, 1, turns.right[q], along(net, end == 0 ? turns.left[q] : turns.left_gap[q], way),
+                out);
 }
 
 /* How many of the planes at `height` + m periods a centre is above, counted from the plane m = 0; between walls that is
@@ -290,8 +331,8 @@ int sp_place_crossing(const sp_network *net, double height, double y, double ris
 static int crossing(const sp_network *net, int32_t k, double height, int32_t *low) {
     const sp_spring *s = &net->springs[k];
     const int up = net->dim - 1;
-    const double other = s->j >= 0 ? net->x[3 * (int64_t)s->j + up] : 0;
-    return sp_place_crossing(net, height, net->x[3 * (int64_t)s->i + up], net->length[k] * s->n[up], s->j, other, low);
+    const double other = s->j >= 0 ? height_of(net, s->j) : 0;
+    return sp_place_crossing(net, height, height_of(net, s->i), net->length[k] * s->n[up], s->j, other, low);
 }
 
 static int32_t add_plane(const sp_network *net, const sp_place *at, double *out) {
@@ -300,24 +341,26 @@ static int32_t add_plane(const sp_network *net, const sp_place *at, double *out)
         const int up = crossing(net, k, at->height, &low);
         if (up == 0)
             continue;
-        add_force(net, k, up < 0 ? 0 : 1, axis_of(net, at), out);
+        add_force(net, at, k, up < 0 ? 0 : 1, out);
         count++;
     }
     return count;
 }
 
 double sp_network_plane_height(const sp_network *net, double height) {
+    const sp_place at = {.kind = SP_PLACE_PLANE};
     const int up = net->dim - 1;
-    double weight = 0, sum = 0;
+    double weight = 0, sum = 0, way[3];
     int32_t low;
     for (int32_t k = 0; k < net->n_springs; k++) {
         const sp_spring *s = &net->springs[k];
         if (crossing(net, k, height, &low) == 0)
             continue;
-        const double rise = s->n[up] * net->length[k], part = s->n[up] * s->n[up];
+        way_of(net, &at, s, way);
+        const double steep = along(net, s->n, way), rise = steep * net->length[k], part = steep * steep;
         const double w = (part * s->kn + (1 - part) * s->kt) * fabs(rise);
         weight += w;
-        sum += w * (net->x[3 * (int64_t)s->i + up] + 0.5 * rise - low * net->box[up]);
+        sum += w * (height_of(net, s->i) + 0.5 * rise - low * net->box[up]);
     }
     return weight > 0 ? sum / weight : NAN;
 }
@@ -336,12 +379,12 @@ sp_status sp_network_detector_at(const sp_network *net, const sp_place *at, doub
         return SP_OK;
     if (row < 0)
         return nothing_there(at, "top", "detected", err);
-    status = sp_network_need_level_walls(net, "a grain that does not touch the top wall", err);
+    status = need_directions(net, "a grain that does not touch the top wall", err);
     if (status != SP_OK)
         return status;
     for (int32_t k = 0; k < net->n_springs; k++)
         if (net->springs[k].i == row || net->springs[k].j == row)
-            add_force(net, k, net->springs[k].i == row ? 0 : 1, axis_of(net, at), out);
+            add_force(net, at, k, net->springs[k].i == row ? 0 : 1, out);
     return SP_OK;
 }
 
@@ -372,8 +415,12 @@ void sp_place_gaps(const sp_network *net, const sp_place *at, bool source, doubl
             set_way(net, wall, at->shear, net->springs[k].n, gap + 3 * (int64_t)k);
             walls = true;
         }
-    for (int32_t k = 0; k < net->n_springs && !walls && !source; k++)
-        gap[3 * (int64_t)k + axis_of(net, at)] = seen_end(net, at, k);
+    for (int32_t k = 0; k < net->n_springs && !walls && !source; k++) {
+        double way[3];
+        way_of(net, at, &net->springs[k], way);
+        for (int a = 0; a < net->dim; a++)
+            gap[3 * (int64_t)k + a] = seen_end(net, at, k) * way[a] + 0.0;
+    }
 }
 
 bool sp_network_touches(const sp_network *net, int32_t wall) {
@@ -411,7 +458,8 @@ static bool read_length(const char *word, double *out) { return sp_word_number(w
 /* Whether the words name a place; a component has been taken off. */
 static bool read_words(int count, char *const *word, bool source, sp_place *at) {
     int64_t grain;
-    if (count == 0 || (count == 1 && strcmp(word[0], wall_of(source)) == 0))
+    if (count == 0 ||
+        (count == 1 && (strcmp(word[0], wall_of(source)) == 0 || strcmp(word[0], source ? "inner" : "outer") == 0)))
         return true;
     if (count == 2 && strcmp(word[0], "grain") == 0) {
         at->kind = SP_PLACE_GRAIN;

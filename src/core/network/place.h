@@ -4,8 +4,8 @@
 
 #include <sonopack/network.h>
 
-/* SP_EREFUSED if the normal of a spring at a wall is not vertical. `what` needs level walls, because the axes of the
- * box describe it: turned as a whole, a packing would give something else. */
+/* SP_EREFUSED if the walls are rings, or the normal of a spring at one is not vertical. `what` needs level walls,
+ * because the axes of the box describe it: turned as a whole, a packing would give something else. */
 sp_status sp_network_need_level_walls(const sp_network *net, const char *what, sp_error *err);
 
 /* Whether a contact crosses the plane at a height: 1 upwards from i, -1 downwards, 0 not. The centre of i is at y, that
