@@ -162,8 +162,7 @@ def test_response(computed, f0, q):
     signal = Trace("own", "F", t, f, "own")
     for response in Response((f0, q)), Response(pulse):
         fit = against(measured, signal, response=response)
-        # the noise of 130 samples is known within a factor of two at the frequencies of the front
-        assert abs(fit.scale - 1.07) < 5 * fit.scale_err < 0.002 and fit.rms < 1.5, (fit.scale, fit.scale_err, fit.rms)
+        assert abs(fit.scale - 1.07) < 3 * fit.scale_err < 0.002 and fit.rms < 1.5, (fit.scale, fit.scale_err, fit.rms)
     assert fit.amplitude == pytest.approx(1 / 3, rel=0.02)
     bare = against(measured, signal)
     assert abs(bare.scale - 1.07) > 0.02 and bare.rms > 2 * fit.rms, (bare.scale, bare.rms)
