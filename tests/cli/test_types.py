@@ -167,7 +167,8 @@ def minima():
 def commands_take_them():
     pack("mixed.h5", grains=100, width=10, friction=0.5, seed=2, **THREE)
     for words in ("statics", "moduli", "signal", "front", "respond --strain xy --contacts", "clusters",
-                  "modes --prestress --lowest 5", "sensitivity --by kn,kt"):
+                  "modes --prestress --lowest 5", "sensitivity --by kn,kt", "uncertainty --force 0.1 --position 1e-4",
+                  "design --goal delay", "coda --trials 1"):
         command, *rest = words.split()
         assert len(table(command, "mixed.h5", *rest, status=0)) > 0, words
     run("convert", "mixed.h5", "mixed.vtp")
