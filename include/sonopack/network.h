@@ -113,22 +113,25 @@ typedef enum sp_place_kind {
     SP_PLACE_PART,     /* part of that wall: grains with centres in from <= x < to */
     SP_PLACE_GRAIN,    /* one grain: its share of what WALL would give. A grain without a contact to that wall gets unit
                           momentum, velocity or displacement, and is detected by the net force on it. */
-    SP_PLACE_PLANE /* detector: momentum flux through a horizontal plane, the force of all grains centred below it on
-                      those above. In a periodic cell this is the plane in the cell, which its images cross again at
-                      every period. Source: each grain whose centre is at most half a mean diameter (0.5 d) below the
-                      plane, or less than that above it, gets unit momentum, velocity or displacement */
+    SP_PLACE_PLANE, /* of a ring a circle. detector: momentum flux through a horizontal plane, the force of all grains
+                       centred below it on those above. In a periodic cell this is the plane in the cell, which its
+                       images cross again at every period. Source: each grain whose centre is at most half a mean
+                       diameter (0.5 d) below the plane, or less than that above it, gets unit momentum, velocity or
+                       displacement */
+    SP_PLACE_DISC   /* in 3D a circle of that wall: grains with centres within diameter/2 of (x, y), across periods */
 } sp_place_kind;
 typedef struct sp_place {
     sp_place_kind kind;
-    bool shear;      /* along x; false: along the up axis (of a wall: along its normals) */
+    bool shear;      /* along x; false: along the up axis (of a wall: along its normals; in a ring: along the radius) */
     double from, to; /* of PART [d] */
     double height;   /* of PLANE [d] */
     int32_t grain;   /* of GRAIN: index in the packing */
+    double x, y, diameter; /* of DISC [d] */
 } sp_place;
 SP_API sp_place sp_place_wall(void); /* The whole wall, along its normal. */
-/* Reads a place as the command writes it: bottom (of a source) or top (of a detector), part:X0:X1, plane:Y or grain:I,
- * optionally followed by :normal or :shear; a component alone stands for the whole wall. *component, or NULL: whether
- * the text names one. SP_EINVAL for any other text. */
+/* Reads a place as the command writes it: bottom or inner (source), top or outer (detector), part:X0:X1,
+ * disc:X:Y:DIAMETER, plane:Y or grain:I, optionally followed by :normal or :shear; a component alone stands for the
+ * whole wall. *component, or NULL: whether the text names one. SP_EINVAL for any other text. */
 SP_API sp_status sp_place_read(const char *text, bool source, sp_place *out, bool *component, sp_error *err);
 enum { SP_PLACE_TEXT = 100 };
 /* The place as sp_place_read reads it, with its component. Returns text. */

@@ -40,8 +40,9 @@ typedef struct sp_contact {
 typedef enum sp_wall { SP_WALL_RIGID = 0, SP_WALL_GRAIN = 1, SP_WALL_ELASTIC = 2 } sp_wall;
 
 /* What bounds the grains. PISTON: walls at the bottom and the top, periodic sideways. PERIODIC: no walls, periodic
- * along all axes. BOX: walls on all sides. */
-typedef enum sp_cell { SP_CELL_PISTON = 0, SP_CELL_PERIODIC, SP_CELL_BOX } sp_cell;
+ * along all axes. BOX: walls on all sides. RING (2D): two circles about (box[0]/2, box[0]/2); the inner one is the
+ * bottom, the outer one the top, and `up` is outwards. */
+typedef enum sp_cell { SP_CELL_PISTON = 0, SP_CELL_PERIODIC, SP_CELL_BOX, SP_CELL_RING } sp_cell;
 
 /* The material of the grains in SI units, which turns dimensionless numbers into those of an experiment. It has no
  * influence on them. */
@@ -72,7 +73,8 @@ typedef struct sp_packing {
     sp_contact *contacts; /* [n_contacts] sorted: pairs by (i, j), then the walls in the order of SP_BOTTOM .. SP_BACK,
                              each by i */
     sp_cell cell;         /* what bounds the grains */
-    double box[3];        /* edges: periods, or distances of walls; box[dim-1] is the height; 1 on unused axes [d] */
+    double box[3];        /* edges: periods, or distances of walls; box[dim-1] is the height; 1 on unused axes. RING:
+                             diameter of the outer wall, and distance between the walls [d] */
     double tilt[3]; /* PERIODIC: xy, xz, yz of the lattice vectors (box[0], 0, 0), (xy, box[1], 0), (xz, yz, box[2]), at
                        most half of the edge in their direction; 0 for the other cells and on unused axes [d] */
     double pressure; /* force on the top wall over its area (2D: width x d; 1D: d^2); without a piston the mean of the
@@ -107,7 +109,7 @@ SP_API void sp_packing_sort(sp_packing *p);
  * are NAN or one is negative, and if it joins no grains of the packing. */
 SP_API sp_status sp_packing_complete(sp_packing *p, sp_error *err);
 
-/* Area across the up axis [d^2], edge along the up axis [d], and their product [d^3]. */
+/* Area across the up axis, of a ring that of the outer wall [d^2]; edge along the up axis [d]; volume [d^3]. */
 SP_API double sp_packing_wall_area(const sp_packing *p);
 SP_API double sp_packing_height(const sp_packing *p);
 SP_API double sp_packing_volume(const sp_packing *p);
@@ -115,7 +117,7 @@ SP_API double sp_packing_volume(const sp_packing *p);
 SP_API bool sp_packing_periodic(const sp_packing *p, int axis);
 /* Whether the packing has this wall, SP_BOTTOM .. SP_BACK. */
 SP_API bool sp_packing_has_wall(const sp_packing *p, int32_t wall);
-/* The axis across a wall, and the direction of its outer normal along this axis, -1 or 1. */
+/* The axis across a flat wall, and the direction of its outer normal along this axis (outwards), -1 or 1. */
 SP_API int sp_packing_wall_axis(const sp_packing *p, int32_t wall);
 SP_API double sp_packing_wall_side(int32_t wall);
 

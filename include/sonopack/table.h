@@ -90,6 +90,11 @@ typedef enum sp_table_format { SP_TSV = 0, SP_CSV, SP_JSON } sp_table_format;
 /* The table as text. Numbers have the digits that read back exactly (15 to 17). Free the text with sp_free; NULL means
  * that memory ran out. CSV leaves out the comments. */
 SP_API char *sp_table_text(const sp_table *t, sp_table_format format);
+enum { SP_DIGITS_OF_ERRORS = 0, SP_DIGITS_ALL = -1 };
+/* The table for readers: as TSV, but columns are aligned, and numbers have 1 to 17 digits; SP_DIGITS_ALL: all;
+ * SP_DIGITS_OF_ERRORS: errors two, a column X two of those of X_err, at most six. Free the text with sp_free; NULL
+ * means that memory ran out. */
+SP_API char *sp_table_aligned(const sp_table *t, int digits);
 /* Writes a file at once: a reader sees the old content or the new one, never a part. */
 SP_API sp_status sp_text_save(const char *path, const char *text, size_t size, sp_error *err);
 /* Reads a TSV file with '#' comments and a header row, or columns of numbers between blanks without a header (named c1,

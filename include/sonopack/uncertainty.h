@@ -57,6 +57,7 @@ typedef struct sp_uncertainty_options {
     int32_t modes;    /* number of lowest frequencies, 0 or more; 0 */
     bool moduli;      /* true */
     bool first_order; /* false: Monte Carlo alone; true */
+    bool parts;       /* makes by_grain and by_contact; false */
     int32_t samples;  /* drawn packings; 0: first order alone, else at least 10; 200 */
     uint64_t seed;    /* 1; sample k depends on the seed and k alone */
     int32_t threads;  /* does not change the result; 1 */
@@ -65,7 +66,8 @@ SP_API sp_uncertainty_options sp_uncertainty_options_default(void);
 
 /* Whether first order and Monte Carlo agree. NO: the standard deviations differ by more than three standard errors and
  * by more than 5%, or the mean is shifted by more than three of its standard errors and by more than half a standard
- * deviation (beyond the first-order shift), or more than 1 sample in 100 has no value. */
+ * deviation (beyond the first-order shift), or more than 1 sample in 100 has no value. Differences of 1e-9 of the value
+ * (of moduli: of the largest) are rounding. */
 typedef enum sp_linear { SP_LINEAR_UNKNOWN = 0, SP_LINEAR_YES, SP_LINEAR_NO } sp_linear;
 
 /* One quantity. */
@@ -91,7 +93,14 @@ typedef struct sp_uncertainty {
     double overlap;         /* mean overlap of the carrying contacts without errors [d] */
     double contacts, contacts_error; /* mean number of carrying contacts of the samples over that without errors; its
                                         standard error */
-    char why[SP_ERROR_TEXT];         /* reason of the first sample that has no value */
+    /* With `parts`, of the network without errors: what single grains (position, radius) and springs (force, stiffness,
+     * false) have of the first-order variance; with the share of the calibration all are 1 together. NAN as share. */
+    int32_t grains, springs;
+    int32_t *grain;          /* [grains] index in the packing */
+    int32_t *pair;           /* [springs][2] grains of the packing that a spring joins, or a grain and a wall */
+    double *by_grain;        /* [n][grains] */
+    double *by_contact;      /* [n][springs] */
+    char why[SP_ERROR_TEXT]; /* reason of the first sample that has no value */
 } sp_uncertainty;
 
 SP_API sp_uncertainty sp_uncertainty_none(void);

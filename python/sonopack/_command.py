@@ -72,6 +72,9 @@ class Parser(argparse.ArgumentParser):
         common.add_argument("-o", "--output", metavar="FILE", help="write to FILE; its ending sets the format")
         common.add_argument("--force", action="store_true", help="replace an existing file of the same kind")
         common.add_argument("--format", choices=("tsv", "csv", "json"), help="format of the table (tsv)")
+        common.add_argument("--digits", metavar="all|N", type=_digits, default=lib.SP_DIGITS_OF_ERRORS,
+                            help="digits of a table on a terminal (two of the errors, at most six); files and pipes "
+                                 "have all")
         common.add_argument("--set", metavar="KEY=VALUE", action="append", default=[],
                             help="override a key of the scene (repeatable; see `sonopack help scene')")
         common.add_argument("--threads", metavar="N", type=whole(0, 1024), default=0,
@@ -149,6 +152,11 @@ def whole(low: int, high: int) -> Callable[[str], int]:
             raise argparse.ArgumentTypeError(f"{text:.60}: must be an integer {low} .. {high}")
         return int(text)
     return read
+
+
+def _digits(text: str) -> int:
+    """The type of --digits."""
+    return int(lib.SP_DIGITS_ALL) if text == "all" else whole(1, 17)(text)
 
 
 def number(low: float, high: float) -> Callable[[str], float]:
@@ -344,5 +352,6 @@ def write_table(arguments: argparse.Namespace, table: Table, material: Material 
     if arguments.output:
         table.save(arguments.output)
     else:
-        sys.stdout.write(table.text(arguments.format or "tsv"))
+        aligned = arguments.format is None and sys.stdout.isatty()
+        sys.stdout.write(table.aligned(arguments.digits) if aligned else table.text(arguments.format or "tsv"))
 

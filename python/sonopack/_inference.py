@@ -71,16 +71,19 @@ def uncertainty(packing: Packing, *, measured: str = "forces", position: float =
                 force: float = 0.0, stiffness: float = 0.0, calibration: float = 0.0, mean_one: bool = False,
                 false: float = 0.0, missing: float = 0.0, gap: float | None = None, missing_force: float | None = None,
                 samples: int | None = None, seed: int | None = None, modes: int | None = None, moduli: bool = True,
-                first_order: bool = True, source: str = "impulse", margin: float | None = None,
+                first_order: bool = True, source: str = "impulse", margin: float | None = None, parts: bool = False,
                 threshold: float | None = None, prestress: bool = False, threads: int = 1) -> Uncertainty:
-    """How standard errors of a measured packing carry into its sound: result["t10"].sd, result["c_l"].share, ..."""
+    """How standard errors of a measured packing carry into its sound: result["t10"].sd, result["c_l"].share, ...
+
+    parts: also result.by_grain and result.by_contact, a row for each quantity."""
     options = ffi.new("sp_uncertainty_options *", lib.sp_uncertainty_options_default())
     _core.set_fields(options.errors, {"measured": measured, "position": position, "radius": radius, "force": force,
                                       "stiffness": stiffness, "calibration": calibration, "mean_one": mean_one,
                                       "false_part": false, "missing": missing, "gap": gap,
                                       "missing_force": missing_force})
     _core.set_fields(options, {"samples": samples, "seed": seed, "modes": modes, "moduli": moduli,
-                               "first_order": first_order, "source": source, "margin": margin, "threads": threads})
+                               "first_order": first_order, "source": source, "margin": margin, "parts": parts,
+                               "threads": threads})
     _network_options(options, threshold, prestress)
     return Uncertainty(packing, options)
 

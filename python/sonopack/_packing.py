@@ -118,8 +118,9 @@ class Packing(_core.Drawn, _fields.Packing):
 
         x [n][dim] centres and r [n] radii [d]; columns of x beyond the lengths of box must be 0. box: the edges, the
         height last [d]. cell: "piston" (walls at the bottom and the top, periodic sideways), "periodic" along all axes,
-        with the lattice vectors (box[0], 0, 0), (xy, box[1], 0), (xz, yz, box[2]) of tilt = (xy, xz, yz), or "box" (walls
-        on all sides). contacts: an array of dtype CONTACT
+        with the lattice vectors (box[0], 0, 0), (xy, box[1], 0), (xz, yz, box[2]) of tilt = (xy, xz, yz), "box" (walls
+        on all sides), or "ring" (two circles about (box[0]/2, box[0]/2): box has the diameter of the outer one and
+        their distance; BOTTOM is the inner one). contacts: an array of dtype CONTACT
         (such as that of another packing), or a dictionary of arrays: i, j (BOTTOM, TOP, ... for walls); if known n
         [contacts][dim], overlap, fn, and ft on i [contacts][dim] (or scalars in 2D: ft (-ny, nx)). What is left out
         follows: n from the positions, overlap and fn from each other by Hertz's law or from the positions; ft is 0.
@@ -137,8 +138,10 @@ class Packing(_core.Drawn, _fields.Packing):
         if np.any(places[:, dim:]):  # the rows of a packing have three columns in any dimension, the last ones 0
             raise _core.invalid("box", f"has {dim} lengths, but x has numbers in column {dim + 1}: it must have one for each "
                                        "dimension")
-        if cell not in ("piston", "periodic", "box"):
-            raise _core.invalid("cell", f"is {cell!r}: must be 'piston', 'periodic' or 'box'")
+        if cell not in ("piston", "periodic", "box", "ring"):
+            raise _core.invalid("cell", f"is {cell!r}: must be 'piston', 'periodic', 'box' or 'ring'")
+        if cell == "ring" and dim != 2:
+            raise _core.invalid("cell", f"is 'ring' in {dim} dimensions: must have 2")
         if len(tilt) != 3:
             raise _core.invalid("tilt", f"has {len(tilt)} numbers: must be xy, xz and yz")
         shape = _Cell(cell, [float(edge) for edge in box], [float(step) for step in tilt])
@@ -462,6 +465,14 @@ class _Cell:
                 found |= {low: (axis, 0.0), high: (axis, self.box[axis])}
         return found
 
+    def to_ring(self, x: Floats, wall: int) -> Floats:
+        """Vectors from points to the nearest ones of a wall of a ring."""
+        outer = 0.5 * self.box[0]
+        d: Floats = x - outer
+        r = np.hypot(*d.T)[:, None]
+        away: Floats = d / r * ((outer if wall == TOP else outer - self.box[1]) - r)
+        return away
+
 
 def _geometry(x: Floats, r: Floats, i: npt.NDArray[Any], j: npt.NDArray[Any], cell: _Cell) -> tuple[Floats, Floats]:
     """Unit vectors from i to j, across the periodic sides where that is shorter (to walls straight), and overlaps."""
@@ -471,7 +482,10 @@ def _geometry(x: Floats, r: Floats, i: npt.NDArray[Any], j: npt.NDArray[Any], ce
             away -= np.round(away[:, axis] / cell.box[axis])[:, None] * cell.vector(axis)
     away[j < 0] = 0
     for wall, (axis, place) in cell.walls().items():
-        away[j == wall, axis] = place - x[i[j == wall], axis]
+        if cell.kind == "ring":
+            away[j == wall] = cell.to_ring(x[i[j == wall]], wall)
+        else:
+            away[j == wall, axis] = place - x[i[j == wall], axis]
     distance: Floats = np.linalg.norm(away, axis=1)
     with np.errstate(invalid="ignore", divide="ignore"):  # coinciding centres are found by the check
         return away / distance[:, None], r[i] + np.where(j < 0, 0, r[np.maximum(j, 0)]) - distance

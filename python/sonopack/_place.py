@@ -11,14 +11,18 @@ from ._native import ffi, lib
 
 @dataclass(frozen=True)
 class Place:
-    """Place of a source or detector: Place.wall(), part(low, high), grain(index) or plane(height).
+    """Place of a source or detector: Place.wall(), part(low, high), disc(x, y, diameter), grain(index) or
+    plane(height).
 
-    kind: wall, part, grain or plane
+    kind: wall, part, disc, grain or plane
     shear: along x in place of the normal
     low: of a part: its left end [d]
     high: of a part: its right end [d]
     height: of a plane [d]
     index: of a grain, in the packing
+    x: of a disc: its centre [d]
+    y: of a disc: its centre [d]
+    diameter: of a disc [d]
     """
 
     kind: str = "wall"
@@ -27,6 +31,9 @@ class Place:
     high: float = 0.0
     height: float = 0.0
     index: int = 0
+    x: float = 0.0
+    y: float = 0.0
+    diameter: float = 0.0
 
     @classmethod
     def wall(cls, shear: bool = False) -> Place:
@@ -37,6 +44,11 @@ class Place:
     def part(cls, low: float, high: float, shear: bool = False) -> Place:
         """The part of that wall from low to high [d]."""
         return cls("part", shear, low=low, high=high)
+
+    @classmethod
+    def disc(cls, x: float, y: float, diameter: float, shear: bool = False) -> Place:
+        """A circle of that wall, in three dimensions [d]."""
+        return cls("disc", shear, x=x, y=y, diameter=diameter)
 
     @classmethod
     def grain(cls, index: int, shear: bool = False) -> Place:
@@ -50,20 +62,21 @@ class Place:
 
     @classmethod
     def parse(cls, text: str) -> Place:
-        """A place as the command writes it: top, bottom, part:X0:X1, grain:I, plane:Y, with :shear or :normal."""
+        """A place as the command writes it: top, bottom, part:X0:X1, disc:X:Y:D, grain:I, plane:Y, with :shear or :normal."""
         out = ffi.new("sp_place *")
         try:
             _core.call(lib.sp_place_read, text.encode(), text.startswith("bottom"), out, ffi.NULL)
         except _core.InvalidInput as error:
             raise _core.invalid("place", str(error)) from None
         kind = _core.words("sp_place_kind")[out.kind]
-        return cls(kind, bool(out.shear), getattr(out, "from"), out.to, out.height, out.grain)
+        return cls(kind, bool(out.shear), getattr(out, "from"), out.to, out.height, out.grain, out.x, out.y, out.diameter)
 
     def _write(self, to: Any) -> None:
         _core.set_fields(to, {"kind": self.kind, "shear": self.shear, "height": float(self.height)})
         setattr(to, "from", float(self.low))
         to.to = float(self.high)
-        _core.set_fields(to, {"grain": int(self.index)})
+        _core.set_fields(to, {"grain": int(self.index), "x": float(self.x), "y": float(self.y),
+                              "diameter": float(self.diameter)})
 
 
 #: A place, as a Place or as the command writes it

@@ -31,6 +31,7 @@ typedef struct cli_common {
     const char *output;
     sp_table_format format;
     bool format_given;
+    int digits; /* of tables on a terminal: see sp_table_aligned */
     int sets;
     char *set[256];       /* KEY=VALUE of each --set */
     int units;            /* --units: CLI_UNITS_OWN or CLI_UNITS_SI */

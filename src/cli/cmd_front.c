@@ -6,32 +6,12 @@
 #include "ensemble/sample.h"
 #include "store/packing_text.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* ---- signals ----------------------------------------------------------------------------------------------------- */
-
-/* Whether a file is a packing rather than a table: it is binary, or has the header of a packing. A pipe is taken for a
- * table, because it cannot be read twice. */
-static sp_status is_packing_file(const char *path, bool *yes, sp_error *err) {
-    struct stat info;
-    char head[8192];
-    *yes = false;
-    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
-        return SP_OK;
-    FILE *file = fopen(path, "rb");
-    if (!file)
-        return sp_fail(err, SP_EIO, "cannot open %s: %s", path, strerror(errno));
-    const size_t size = fread(head, 1, sizeof head - 1, file);
-    fclose(file);
-    head[size] = '\0';
-    *yes = strlen(head) < size || sp_packing_text_looks(head);
-    return SP_OK;
-}
 
 /* A positive number in the metadata, 0 without one. */
 static double positive_number(const sp_table *t, const char *key) {
@@ -404,7 +384,7 @@ static sp_status add_file(void *user, cli_file *file, cli_writer *w) {
     sp_table read = sp_table_none();
     arrival m;
     bool packing = false;
-    sp_status status = is_packing_file(file->path, &packing, w->err);
+    sp_status status = sp_packing_file_looks(file->path, &packing, w->err);
     if (status == SP_OK && packing) {
         status = packing_front(a, file, &m, w->err);
         return status == SP_OK ? add_front(a, file->path, true, &m, w) : status;

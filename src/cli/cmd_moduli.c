@@ -2,11 +2,13 @@
 #include "base/base.h"
 #include "cli/files.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 enum { PROBES_MAX = 64 };
+#define SPEED "sqrt(E* / rho)"
 
 typedef struct probe {
     const char *text; /* as it was given */
@@ -116,8 +118,8 @@ const cli_syntax cmd_moduli_syntax = {
         "A periodic cell is strained itself, and a box by all of its walls; read \"along the up axis\" for \"from "
         "wall to wall\". Their tables have further columns: the rest of the stiffness tensor in Voigt's notation (in "
         "two dimensions 3 is the shear, so C13 and C23 couple it to the axes), the bulk modulus K and the shear "
-        "modulus G of its isotropic part (Voigt's averages), the anisotropy |C - isotropic part|/|C|, and bounds of "
-        "the errors: K_err, G_err, anisotropy_err, and C_err of all components.",
+        "modulus G of its isotropic part (Voigt's averages), the anisotropy |C - isotropic part|/|C|, and K_err, "
+        "G_err, anisotropy_err. Columns _err are bounds of the errors, C_err that of all components.",
     CLI_PACKINGS,
     .options = options,
     .springs = true,
@@ -171,19 +173,32 @@ static void whole_columns(int dim, cli_writer *w) {
     else
         cli_columns(w, SP_COLUMN_NUMBER, "C13", "E*", "C23", "E*", NULL);
     cli_columns(w, SP_COLUMN_NUMBER, "K", "E*", "K_err", "E*", "G", "E*", "G_err", "E*", "anisotropy", "",
-                "anisotropy_err", "", "C_err", "E*", NULL);
+                "anisotropy_err", "", NULL);
 }
 
 static void put_whole(const sp_elasticity *e, cli_writer *w) {
     const int axes = e->strains == SP_STRAINS_MAX ? 3 : 2;
+    for (int a = 0; a < e->strains; a++)
+        for (int b = a + 1; b < e->strains; b++)
+            if (b >= axes)
+                cli_put(w, e->c[a][b]);
+    cli_put(w, e->bulk, e->bulk_error, e->shear, e->shear_error, e->anisotropy, e->anisotropy_error);
+}
+
+/* A bound of the error of sqrt(C/density), from that of C and the rounding of a sum over n grains. */
+static double speed_error(double speed, double error, double density, int32_t n) {
+    return fmin(error / density / speed, sqrt(error / density)) + 4 * n * DBL_EPSILON * speed;
+}
+
+static void put_errors(const cli_file *file, double density, const sp_moduli *m, const sp_elasticity *e,
+                       cli_writer *w) {
+    const bool space = file->packing.dim == 3;
     double most = 0;
     for (int a = 0; a < e->strains; a++)
-        for (int b = 0; b < e->strains; b++) {
+        for (int b = 0; b < e->strains; b++)
             most = fmax(most, e->error[a][b]);
-            if (b > a && b >= axes)
-                cli_put(w, e->c[a][b]);
-        }
-    cli_put(w, e->bulk, e->bulk_error, e->shear, e->shear_error, e->anisotropy, e->anisotropy_error, most);
+    cli_put(w, most, speed_error(m->c_l, space ? m->error33 : m->error22, density, file->packing.n),
+            speed_error(m->c_t, space ? 0.5 * (m->error44 + m->error55) : m->error33, density, file->packing.n));
 }
 
 static void global_row(const arguments *a, const cli_file *file, cli_writer *w) {
@@ -201,6 +216,7 @@ static void global_row(const arguments *a, const cli_file *file, cli_writer *w) 
     cli_put_quantities(w, sp_moduli_quantities, "c_l c_t", &m);
     if (a->whole)
         put_whole(&whole, w);
+    put_errors(file, density, &m, &whole, w);
     cli_end_row(w);
 }
 
@@ -251,8 +267,12 @@ static void probe_rows(const arguments *a, const cli_file *file, double density,
         return;
     const bool space = file->packing.dim == 3;
     const double along = space ? m.c33 : m.c22, shear = space ? m.c55 : m.c33;
+    const sp_probe_moduli global = {.along = along,
+                                    .shear = shear,
+                                    .error_along = space ? m.error33 : m.error22,
+                                    .error_shear = space ? m.error55 : m.error33};
     for (int k = 0; k < a->probes; k++)
-        each[k] = a->probe[k].global ? (sp_probe_moduli){.along = along, .shear = shear} : measured[at++];
+        each[k] = a->probe[k].global ? global : measured[at++];
     explain_probes(a, file, &m, each);
     for (int k = 0; k < a->probes; k++) {
         const double l = each[k].along, s = each[k].shear;
@@ -260,7 +280,7 @@ static void probe_rows(const arguments *a, const cli_file *file, double density,
         cli_put(w, file->packing.pressure);
         if (a->probes > 1)
             cli_put_text(w, a->probe[k].text);
-        cli_put(w, l, s, l / along, shear > 0 ? s / shear : NAN);
+        cli_put(w, l, s, l / along, shear > 0 ? s / shear : NAN, each[k].error_along, each[k].error_shear);
         cli_end_row(w);
     }
 }
@@ -403,12 +423,14 @@ static void add_columns(const arguments *a, int dim, cli_writer *w) {
         if (a->probes > 1)
             cli_columns(w, SP_COLUMN_TEXT, "probe", "", NULL);
         cli_columns(w, SP_COLUMN_NUMBER, dim == 3 ? "C33" : "C22", "E*", dim == 3 ? "C55" : "C33", "E*",
-                    dim == 3 ? "C33_ratio" : "C22_ratio", "", dim == 3 ? "C55_ratio" : "C33_ratio", "", NULL);
+                    dim == 3 ? "C33_ratio" : "C22_ratio", "", dim == 3 ? "C55_ratio" : "C33_ratio", "",
+                    dim == 3 ? "C33_err" : "C22_err", "E*", dim == 3 ? "C55_err" : "C33_err", "E*", NULL);
     } else {
         cli_quantity_columns(w, sp_moduli_quantities, moduli_of(dim));
         cli_quantity_columns(w, sp_moduli_quantities, "c_l c_t");
         if (a->whole)
             whole_columns(dim, w);
+        cli_columns(w, SP_COLUMN_NUMBER, "C_err", "E*", "c_l_err", SPEED, "c_t_err", SPEED, NULL);
     }
 }
 

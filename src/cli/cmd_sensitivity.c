@@ -294,9 +294,9 @@ static const cli_option options[] = {
      .parse = cli_pulse_parse, CLI_FIELD(pulse)},
     {"source", "impulse|velocity|displacement", "Kind of source, as in signal (impulse)", CLI_CHOICE, CLI_FIELD(source),
      .words = cli_source_names},
-    {"from", "PLACE", "Source at bottom, part:X0:X1, plane:Y or grain:I (bottom)", .parse = cli_places_add,
+    {"from", "PLACE", "Source at bottom, part:X0:X1, disc:X:Y:D, plane:Y or grain:I (bottom)", .parse = cli_places_add,
      CLI_FIELD(sources)},
-    {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top)", .parse = cli_places_add,
+    {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1, disc:X:Y:D or grain:I (top)", .parse = cli_places_add,
      CLI_FIELD(detectors)},
     {0}};
 

@@ -85,10 +85,10 @@ static const cli_option options[] = {
      "What the source imposes on a grain at the bottom wall, in proportion to the stiffness of its contact: impulse, "
      "velocity or displacement (impulse)",
      .parse = set_source, .words = cli_source_names},
-    {"from", "PLACE", "Source at bottom, part:X0:X1, plane:Y or grain:I (bottom); repeatable", .parse = cli_places_add,
-     CLI_FIELD(sources)},
-    {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1 or grain:I (top); repeatable", .parse = cli_places_add,
-     CLI_FIELD(detectors)},
+    {"from", "PLACE", "Source at bottom, part:X0:X1, disc:X:Y:D, plane:Y or grain:I (bottom); repeatable",
+     .parse = cli_places_add, CLI_FIELD(sources)},
+    {"detector", "PLACE", "Detector at top, plane:Y, part:X0:X1, disc:X:Y:D or grain:I (top); repeatable",
+     .parse = cli_places_add, CLI_FIELD(detectors)},
     {"component", "normal|shear", "Component at every PLACE without :normal or :shear at its end (normal)", CLI_CHOICE,
      CLI_FIELD(component), .words = cli_component_names},
     {"planes", "N", "Detectors at N planes that divide the height into equal layers", CLI_INTEGER, CLI_FIELD(planes),
@@ -112,12 +112,14 @@ const cli_syntax cmd_signal_syntax = {
         "\n"
         "With several sources or detectors there is a column F1, F2, ... for each pair, explained by a comment. A "
         "plane measures the momentum flux through it. part:X0:X1 consists of the grains at the wall whose centres are "
-        "at X0 <= x < X1. grain:I (from 0) is measured by its contact with the wall, or by the net force on it if it "
+        "at X0 <= x < X1; disc:X:Y:D, in space, of those within D/2 of X, Y: a round transducer. grain:I (from 0) is "
+        "measured by its contact with the wall, or by the net force on it if it "
         "does not touch the wall. As a source a plane gives unit momentum (impulse), velocity or displacement to each "
         "grain whose centre is within half a mean diameter of it, and grain:I to a grain that does not touch the "
         "wall.\n"
         "\n"
-        "A periodic cell has no walls: give --from and --detector as plane:Y or grain:I. A pulse then travels both up "
+        "In a ring the inner wall is the bottom, the outer the top, and plane:Y the circle at Y from the inner one. A "
+        "periodic cell has no walls: give --from and --detector as plane:Y or grain:I. A pulse then travels both up "
         "and down from its plane, and meets itself after a period.\n"
         "\n"
         "Methods: chebyshev (polynomial expansion with matrix products), dense (sum over all modes), sparse (sum over "

@@ -11,7 +11,11 @@ typedef struct arguments {
     cli_common common;
     sp_uncertainty_options o;
     bool front_only, sampled_only;
+    int by; /* of by_names */
 } arguments;
+
+enum { BY_QUANTITY = 0, BY_GRAIN, BY_CONTACT };
+static const char *const by_names[] = {"quantity", "grain", "contact", NULL};
 
 static const char *const measured_names[] = {
     [SP_MEASURED_FORCES] = "forces", [SP_MEASURED_OVERLAPS] = "overlaps", NULL};
@@ -47,6 +51,10 @@ static const cli_option options[] = {
      .high = 10000000},
     {"seed", "S", "Seed of the errors (1)", CLI_INTEGER, CLI_FIELD(o.seed), .high = 1e15},
     {"sampled-only", NULL, "No first order", CLI_FLAG, CLI_FIELD(sampled_only)},
+    {"by", "quantity|grain|contact",
+     "Rows of the table (quantity); grain, contact: the part of each one's errors in the square of sd_first of each "
+     "quantity, without drawn packings",
+     CLI_CHOICE, CLI_FIELD(by), .words = by_names},
     {.help = "Quantities:"},
     {"modes", "N", "Add the N lowest frequencies (0)", CLI_INT, CLI_FIELD(o.modes), .high = 10000},
     {"front-only", NULL, "Leave out the moduli and their speeds", CLI_FLAG, CLI_FIELD(front_only)},
@@ -60,6 +68,10 @@ static sp_status check(void *user, sp_error *err) {
     const arguments *a = user;
     const bool missing = a->o.errors.missing > 0;
     sp_status status = cli_need(&cmd_uncertainty_syntax, &a->common, "gap", missing, "--missing", err);
+    if (a->by != BY_QUANTITY &&
+        (missing || a->sampled_only || cli_given(&cmd_uncertainty_syntax, &a->common, "samples")))
+        return sp_fail(err, SP_EINVAL, "--by %s: is first order, without --missing, --sampled-only and --samples",
+                       by_names[a->by]);
     CLI_THEN(status, cli_need(&cmd_uncertainty_syntax, &a->common, "missing-force", missing, "--missing", err));
     return status == SP_OK ? cli_need(&cmd_uncertainty_syntax, &a->common, "margin", !a->front_only,
                                       "moduli, which --front-only leaves out", err)
@@ -86,16 +98,22 @@ const cli_syntax cmd_uncertainty_syntax = {
         "minus the value. sd_err, bias_err: their standard errors. linear: whether both ways agree, or unknown where "
         "one of them is missing. If it is no, they differ by more than these errors, and sd and bias count. It is "
         "also no if more than one in a hundred of the drawn packings has no sound, since sd and bias do not know of "
-        "these. A comment tells how many they are, and why the first of them has none. contacts_ratio: contacts that "
+        "these; differences of 1e-9 of the value are rounding. A comment tells how many they are, and why the first of "
+        "them has none. contacts_ratio: contacts that "
         "carry force in the drawn packings, over those of the packing. nan: there are no derivatives, as with missing "
-        "contacts.",
+        "contacts.\n"
+        "\n"
+        "--by grain: of the position and radius of each grain; --by contact: of the force, stiffness and existence of "
+        "each contact, where j is a grain or a wall: -1 bottom, -2 top, -3 left, -4 right, -5 front, -6 back. The "
+        "largest tell what to measure better. With the share of the calibration all are 1 together.",
     CLI_ONE_PACKING,
     .options = options,
     .springs = true,
     .check = check};
 
 static sp_status add_columns(void *user, cli_writer *w) {
-    (void)user;
+    if (((const arguments *)user)->by != BY_QUANTITY)
+        return w->status; /* they follow from the quantities */
     cli_columns(w, SP_COLUMN_TEXT, "quantity", "", "unit", "", NULL);
     cli_columns(w, SP_COLUMN_NUMBER, "value", "", "sd_first", "", "shift_first", "", "sd", "", "sd_err", "", "bias", "",
                 "bias_err", "", NULL);
@@ -153,6 +171,19 @@ static sp_status add_quantity(const arguments *a, const sp_uncertain *v, cli_wri
                    s[SP_ERROR_FALSE]);
 }
 
+/* Stiffnesses that are given do not follow the forces. */
+static void explain_force(const arguments *a, const cli_file *file) {
+    const sp_network *net = &file->network;
+    int32_t given = 0;
+    for (int32_t k = 0; k < net->n_springs; k++)
+        given += file->packing.contacts[net->springs[k].contact].kn > 0;
+    if (given > 0 && a->o.errors.force > 0 && !file->scene->network.prestress)
+        cli_note(&a->common,
+                 "%s: --force does nothing to %d of %d contacts, whose stiffnesses are given and do not follow the "
+                 "forces: see --stiffness",
+                 file->path, given, net->n_springs);
+}
+
 static void explain(const arguments *a, const char *path, const sp_uncertainty *u) {
     int departs = 0;
     for (int32_t k = 0; k < u->n; k++)
@@ -165,6 +196,35 @@ static void explain(const arguments *a, const char *path, const sp_uncertainty *
                  u->loose, u->samples);
 }
 
+/* A row for each grain, or contact, with a column for each quantity. */
+static sp_status add_parts(const arguments *a, const cli_file *file, const sp_uncertainty *u, cli_writer *w) {
+    const bool grains = a->by == BY_GRAIN;
+    const int32_t rows = grains ? u->grains : u->springs;
+    if (!u->by_grain)
+        return sp_fail(w->err, SP_EINVAL, "--by %s: is first order, which there is not with --prestress",
+                       by_names[a->by]);
+    if (u->n > CLI_CELLS_MAX - 5)
+        return sp_fail(w->err, SP_EINVAL, "--modes %d: must be %d or less with --by", a->o.modes,
+                       a->o.modes - (u->n - (CLI_CELLS_MAX - 5)));
+    cli_columns(w, SP_COLUMN_INTEGER, grains ? "grain" : "i", "", grains ? NULL : "j", "", NULL);
+    if (grains)
+        cli_place_columns(w, file->packing.dim);
+    for (int32_t q = 0; q < u->n; q++)
+        cli_columns(w, SP_COLUMN_NUMBER, u->quantity[q].name, "", NULL);
+    for (int32_t k = 0; k < rows && w->status == SP_OK; k++) {
+        if (grains) {
+            cli_put(w, u->grain[k]);
+            cli_put_numbers(w, file->packing.dim, file->packing.x + 3 * (int64_t)u->grain[k]);
+        } else {
+            cli_put(w, u->pair[2 * k], u->pair[2 * k + 1]);
+        }
+        for (int32_t q = 0; q < u->n; q++)
+            cli_put(w, (grains ? u->by_grain : u->by_contact)[(int64_t)q * rows + k]);
+        cli_end_row(w);
+    }
+    return w->status;
+}
+
 static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     arguments *a = user;
     sp_uncertainty u = sp_uncertainty_none();
@@ -172,13 +232,18 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     a->o.moduli = !a->front_only;
     a->o.first_order = !a->sampled_only;
     a->o.threads = a->common.threads;
+    a->o.parts = a->by != BY_QUANTITY;
+    a->o.samples = a->o.parts ? 0 : a->o.samples;
+    explain_force(a, file);
     sp_status status = sp_uncertainty_make(&file->packing, &a->o, &u, w->err);
     if (status == SP_OK) {
         add_comments(a, file, &u, w);
         status = w->status;
         explain(a, file->path, &u);
     }
-    for (int32_t k = 0; k < u.n && status == SP_OK; k++)
+    if (status == SP_OK && a->o.parts)
+        status = add_parts(a, file, &u, w);
+    for (int32_t k = 0; k < u.n && status == SP_OK && !a->o.parts; k++)
         status = add_quantity(a, &u.quantity[k], w);
     sp_uncertainty_free(&u);
     return status;

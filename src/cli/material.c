@@ -3,11 +3,20 @@
 
 #include "base/base.h"
 #include "scene/field.h"
+#include "store/packing_text.h"
 
 #include <stdio.h>
 #include <string.h>
 
-static const double largest_grain = 0.1, smallest_grain = 1e-7; /* m; beyond, another unit was meant */
+/* Values of grains, in SI, and in another unit that may have been meant where a value is beyond these. */
+static const struct {
+    const char *key;
+    size_t offset;
+    double low, high, other;
+    const char *unit, *other_unit;
+} usual[] = {{"E", offsetof(sp_material, young), 1e3, 2e12, 1e9, "Pa", "GPa"},
+             {"rho", offsetof(sp_material, density), 10, 3e4, 1e3, "kg/m^3", "g/cm^3"},
+             {"d", offsetof(sp_material, diameter), 1e-7, 0.1, 1e-3, "m", "mm"}};
 
 /* ---- --material -------------------------------------------------------------------------------------------------- */
 
@@ -107,9 +116,26 @@ static sp_status differ(const cli_common *common, const char *from, sp_error *er
                    from);
 }
 
-static void note_size(const cli_common *common, const sp_material *m) {
-    if (m->diameter > largest_grain || m->diameter < smallest_grain)
-        cli_note(common, "warning: material.d = %g m: the diameter of the grains is in metres", m->diameter);
+/* One warning for all values that grains hardly have. */
+static void note_unusual(const cli_common *common, const sp_material *m) {
+    char line[400] = "", meant[80];
+    for (size_t k = 0; k < sizeof usual / sizeof *usual; k++) {
+        double value;
+        memcpy(&value, (const char *)m + usual[k].offset, sizeof value);
+        const double other = value * usual[k].other;
+        if (value >= usual[k].low && value <= usual[k].high)
+            continue;
+        const bool large = other >= 1e6;
+        snprintf(meant, sizeof meant, "if %s were meant, %g%s %s", usual[k].other_unit, large ? other / 1e9 : other,
+                 large ? "e9" : "", usual[k].unit);
+        if (other < usual[k].low || other > usual[k].high)
+            snprintf(meant, sizeof meant, "usual are %g .. %g", usual[k].low, usual[k].high);
+        const size_t used = strlen(line);
+        snprintf(line + used, sizeof line - used, "%smaterial.%s = %g %s (%s)", used ? ", " : "", usual[k].key, value,
+                 usual[k].unit, meant);
+    }
+    if (line[0])
+        cli_note(common, "warning: %s: no usual grains", line);
 }
 
 sp_status cli_take_material(void *arguments, const sp_material *m, const char *from, sp_error *err) {
@@ -120,7 +146,7 @@ sp_status cli_take_material(void *arguments, const sp_material *m, const char *f
         if (is_known(m) && !is_same(m, &common->material))
             cli_note(common, "%s: --material replaces its material %s", from, sp_material_text(m, text));
         if (!common->found_in)
-            note_size(common, &common->material);
+            note_unusual(common, &common->material);
         common->found_in = from;
         return SP_OK;
     }
@@ -134,7 +160,7 @@ sp_status cli_take_material(void *arguments, const sp_material *m, const char *f
         return cli_set_quantities(arguments, m, err);
     }
     if (!is_known(&common->found))
-        note_size(common, m);
+        note_unusual(common, m);
     common->found = *m;
     common->found_in = from;
     return cli_set_quantities(arguments, m, err);
@@ -162,6 +188,18 @@ sp_status cli_take_table_material(void *arguments, const sp_table *t, const char
     return text || ours ? cli_take_material(arguments, &m, from, err) : SP_OK;
 }
 
+/* Says so where what should be a scene is a packing. */
+static sp_status tell_packing(const char *path, sp_status status, sp_error *err) {
+    sp_packing p = sp_packing_none();
+    bool looks;
+    if (sp_packing_file_looks(path, &looks, NULL) == SP_OK && looks && sp_packing_read(path, &p, NULL) == SP_OK)
+        status = sp_fail(err, SP_EINVAL,
+                         "%s: is a packing, must be a scene; a scene with packing.file = \"%s\" goes on from it", path,
+                         path);
+    sp_packing_free(&p);
+    return status;
+}
+
 sp_status cli_read_scene(const cli_common *common, const char *path, sp_scene *out, sp_error *err) {
     enum { SETS = sizeof common->set / sizeof *common->set };
     char *set[SETS + 1], text[sizeof "material=" + SP_MATERIAL_TEXT] = "material=";
@@ -171,7 +209,8 @@ sp_status cli_read_scene(const cli_common *common, const char *path, sp_scene *o
         sp_material_text(&common->material, text + strlen(text));
         set[sets++] = text;
     }
-    return sp_scene_read(path, sets, set, out, err);
+    const sp_status status = sp_scene_read(path, sets, set, out, err);
+    return status == SP_OK || !path ? status : tell_packing(path, status, err);
 }
 
 void cli_note_material(const cli_common *common, const sp_scene *scene) {

@@ -27,6 +27,14 @@ static sp_status set_format(void *arguments, const char *text, sp_error *err) {
     return status;
 }
 
+static sp_status set_digits(void *arguments, const char *text, sp_error *err) {
+    cli_common *common = arguments;
+    int64_t digits = SP_DIGITS_ALL;
+    sp_status status = strcmp(text, "all") == 0 ? SP_OK : cli_integer("--digits", text, 1, 17, &digits, err);
+    common->digits = (int)digits;
+    return status == SP_OK ? SP_OK : sp_fail(err, SP_EINVAL, "--digits %.60s: must be all or 1 .. 17", text);
+}
+
 static sp_status add_set(void *arguments, const char *text, sp_error *err) {
     cli_common *common = arguments;
     const int capacity = (int)(sizeof common->set / sizeof *common->set);
@@ -49,6 +57,8 @@ static const cli_option common_options[] = {
     {"output", "FILE", "Write to FILE instead of printing; its ending sets the format", CLI_TEXT,
      .field = offsetof(cli_common, output), .letter = 'o'},
     {"format", "tsv|csv|json", "Format of the table (tsv)", .parse = set_format, .words = format_words},
+    {"digits", "all|N", "Digits of a table on a terminal (two of the errors, at most six); files and pipes have all",
+     .parse = set_digits},
     {"force", NULL, "Replace an existing file of the same kind", CLI_FLAG, .field = offsetof(cli_common, force)},
     {"set", "KEY=VALUE", "Override a key of the scene (repeatable; see `sonopack help scene')", .parse = add_set},
     {"units", "own|si", "Units of tables: own, in d, E* and rho, or SI, for which a material is needed (own)",

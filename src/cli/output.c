@@ -243,7 +243,8 @@ sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) 
     if (status != SP_OK)
         return status;
     const bool foreign = common->output && cli_is_foreign_table(common->output);
-    char *text = sp_table_text(t, foreign ? SP_TSV : format);
+    const bool shown = !common->output && !common->format_given && isatty(STDOUT_FILENO);
+    char *text = shown ? sp_table_aligned(t, common->digits) : sp_table_text(t, foreign ? SP_TSV : format);
     if (!text)
         return sp_fail_memory(err, (size_t)(t->rows * t->columns) * 24);
     status = foreign          ? cli_save_foreign(common, text, err)

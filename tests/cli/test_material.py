@@ -7,7 +7,7 @@ import pathlib
 
 import h5py
 
-from command import MATERIAL, main, refused, run, table
+from command import MATERIAL, N200, main, refused, run, table
 from common import names_all
 
 GROUP = "material = { E = 70e9; nu = 0.22; rho = 2500; d = 1e-3; };\n"
@@ -59,6 +59,18 @@ def ratio_of_poisson():
         with h5py.File("x.h5") as file:
             assert file["/sonopack/poisson"][()] == expected, (text, more)
         assert names_all(said, note) if note else not said, said
+
+
+def unusual():
+    """One warning names the values that no grain has, and what another unit would make of them."""
+    for given, named in (("E=70,nu=0.22,rho=2.5,d=1e-3", "E 70 GPa 70e9 Pa rho 2.5 g/cm^3 2500 kg/m^3"),
+                         ("E=70e9,nu=0.22,rho=2500,d=1", "d mm 0.001"), ("E=1e14,nu=0.22,rho=2500,d=1e-3", "E 2e+12"),
+                         ("E=70e9,nu=0.22,rho=2500,d=1e-3", ""), ("E=1e4,nu=0.5,rho=1000,d=0.02", "")):
+        words = dict(word.split("=") for word in given.split(","))
+        scene = f"material = {{ {' '.join(f'{key} = {value};' for key, value in words.items())} }};\n"
+        for said in (made(scene + CHAIN.replace('"100 kPa"', "1e-5")).stderr,
+                     run("moduli", N200, "--units=si", f"--material={given}").stderr):
+            assert said.count("usual grains") == bool(named) and (not named or names_all(said, named)), (given, said)
 
 
 def by_hand():
@@ -146,4 +158,4 @@ def fronts():
     assert table("front", "own.tsv", "si.tsv", "--units=si").units["t10"] == "us", "one unit for tables in both"
 
 
-main(units_of_keys, ratio_of_poisson, by_hand, stored, names, options, fronts)
+main(units_of_keys, ratio_of_poisson, unusual, by_hand, stored, names, options, fronts)

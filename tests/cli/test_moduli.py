@@ -203,7 +203,7 @@ def strain_and_probes():
         path = pack(f"{name}.h5", tolerance=1e-9, seed=7, **keys)
         oracle, density, row = Space(path), table("statics", path)["Phi3s"][0], table("moduli", path)
         dim, c = oracle.dim, oracle.moduli()
-        assert row.names == ["file", "p", *places(dim), "c_l", "c_t"]
+        assert row.names == ["file", "p", *places(dim), "c_l", "c_t", "C_err", "c_l_err", "c_t_err"]
         for column, place in places(dim).items():
             if name == "smooth" and column in ("C44", "C55"):  # smooth walls cannot shear
                 assert np.isnan(row[column][0])
@@ -211,17 +211,21 @@ def strain_and_probes():
                 assert np.isclose(row[column][0], c[place], rtol=1e-6, atol=1e-12 * c[1, 1]), (name, column, c)
         along, shear = ("C33", "C55") if dim == 3 else ("C22", "C33")
         assert np.isclose(row["c_l"][0]**2 * density, row[along][0], rtol=1e-12)
+        assert 0 < row["C_err"][0] < 1e-9 * row[along][0] and np.isnan(row["c_t_err"][0]) == np.isnan(row["c_t"][0])
         if name == "smooth":
             continue
         found = table("moduli", path, *words, "--probe=global")
-        assert found.names == ["file", "p", "probe", along, shear, along + "_ratio", shear + "_ratio"]
+        assert found.names == ["file", "p", "probe", along, shear, along + "_ratio", shear + "_ratio", along + "_err", shear + "_err"]
+        assert (0 < found[along + "_err"]).all() and (found[along + "_err"] < 1e-9 * found[along]).all()
+        bound = found[along + "_err"][-1]  # of the imposed strain
+        assert bound <= row["C_err"][0] and 0.5 * row["c_l"][0] * bound / row[along][0] < row["c_l_err"][0] < 1e-9 * row["c_l"][0]
         assert found.words("probe") == [*PROBES, "global"] and found[along][-1] == row[along][0]
         for axis, column in ((dim - 1, along), (0, shear)):
             exact = [apparent(oracle.matrix, oracle.respond, oracle.dof, oracle.x, oracle.r, oracle.box, density, probe, axis)
                      for probe in PROBES]
             assert np.allclose(found[column][:-1], exact, rtol=1e-6, atol=0), (name, column, found[column], exact)
             assert np.allclose(found[column + "_ratio"], found[column] / row[column][0], rtol=1e-9)
-    assert table("moduli", N200, "--probe=lines:1").names == ["file", "p", "C22", "C33", "C22_ratio", "C33_ratio"]
+    assert table("moduli", N200, "--probe=lines:1").names == ["file", "p", "C22", "C33", "C22_ratio", "C33_ratio", "C22_err", "C33_err"]
 
 
 def projected(oracle):

@@ -22,7 +22,7 @@ SCENES = {"scene.cfg": "packing = { grains = [20, 30]; width = 6; };\nstudy = { 
           "sweep.cfg": 'study = { samples = 2; sweep = ( { key = "packing.pressure"; values = [1e-5, 1e-4]; } ); };\n',
           "wrong.cfg": "packing = {\n\n presure = 1e-4; };", "open.cfg": "packing = { /* no end", "empty.cfg": "",
           "include.cfg": '@include "/etc/hostname"', "deep.cfg": "a = " + "(" * 100000, "long.cfg": "a" * 100000,
-          "zero.cfg": "packing\0"}
+          "zero.cfg": "packing\0", "pressed.cfg": "# a note\n// and another\n/* one */ packing :\n{ pressure = 1e-4; };\n"}
 
 
 def make_inputs():
@@ -36,6 +36,9 @@ def make_inputs():
     run("study", "--store", "store", "--set=packing.kind=chain", "--set=packing.grains=12", "--set=study.samples=1")
     for form in ("tsv", "csv"):
         run("signal", "N200.txt", "-o", f"signal.{form}")
+    for form in ("dump", "xyz"):
+        run("convert", "P.h5", f"grains.{form}", "-q")
+    run("modes", "C.h5", "--vectors", "modes.h5", "-o", "modes.tsv")
 
 
 def refused(words):

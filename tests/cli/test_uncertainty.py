@@ -4,8 +4,10 @@ tests/unit/test_inference_uncertain.c.
 usage: test_uncertainty.py COMMAND SOURCE_DIR
 """
 import math
+import pathlib
 
-from command import N200, SOURCE, main, run, table
+from command import N200, SOURCE, main, refused, run, table, Table
+from common import names_all
 
 SAMPLES = SOURCE / "tests/foreign/samples/photoelastic"
 
@@ -13,7 +15,11 @@ SAMPLES = SOURCE / "tests/foreign/samples/photoelastic"
 def uncertainty(*words):
     """{quantity: {column: number or word}}, and the table."""
     found = table("uncertainty", *words)
-    return {row[0]: dict(zip(found.names, row)) for row in found.rows}, found
+    return rows_of(found), found
+
+
+def rows_of(found):
+    return {row[0]: dict(zip(found.names, row)) for row in found.rows}
 
 
 def same_values(path, rows):
@@ -34,7 +40,9 @@ def measured():
     run("convert", SAMPLES / "particles.csv", "disks.h5", "--frame=1", f"--contacts={SAMPLES}/contacts.csv",
         "--material=E=4e6,nu=0.5,rho=1060", "--length-unit=0.05e-3", "--kn=5e4", "--kt-ratio=0.5", "--thickness=6e-3",
         "--walls=balance", "--set=friction=0.5")
-    rows, _ = uncertainty("disks.h5", "--position=0.003", "--force=0.1", "--samples=40")
+    said = run("uncertainty", "disks.h5", "--position=0.003", "--force=0.1", "--samples=40", "-o", "errors.tsv").stderr
+    assert names_all(said, "disks.h5 --force --stiffness"), said
+    rows = rows_of(Table(pathlib.Path("errors.tsv").read_text()))
     same_values("disks.h5", rows)
     assert all(rows[name]["linear"] == "yes" for name in ("t10", "peak", "C22", "c_l")), rows
 
@@ -48,6 +56,19 @@ def first_order():
     rows, _ = uncertainty(N200, "--force=0.1", "--radius=0.01", "--position=0.01", "--false=0.01", "--samples=0")
     for name, row in rows.items():
         assert abs(sum(float(row[key]) for key in row if key.startswith("share_")) - 1) < 1e-9, name
+
+
+def parts():
+    """Rows for grains and contacts: what is left of 1 is the calibration, and the worst contact is told."""
+    given = ("--force=0.1", "--radius=0.01", "--calibration=0.01", "--modes=1")
+    shares = {name: float(row["share_calibration"]) for name, row in uncertainty(N200, *given, "--samples=0")[0].items()}
+    grains, contacts = (table("uncertainty", N200, *given, f"--by={by}") for by in ("grain", "contact"))
+    assert grains.names[:3] == ["grain", "x", "y"] and contacts.names[:2] == ["i", "j"] and contacts["j"].min() == -2
+    for name, share in shares.items():
+        assert abs(grains[name].sum() + contacts[name].sum() + share - 1) < 1e-9, name
+    for words in (("--missing=0.1",), ("--force=0.1", "--samples=10"), ("--force=0.1", "--sampled-only")):
+        refused("--by", "uncertainty", N200, "--by=grain", *words)
+    refused("--by --prestress", "uncertainty", N200, "--force=0.1", "--by=grain", "--prestress")
 
 
 def samples():
@@ -78,4 +99,4 @@ def units():
     assert two.notes["position"] == "0.02 mm" and one.note("position") == 0.01
 
 
-main(values, measured, first_order, samples, units)
+main(values, measured, first_order, parts, samples, units)

@@ -176,6 +176,49 @@ def progress():
     return None
 
 
+def shown(*words):
+    """What a command writes on a terminal."""
+    master, slave = pty.openpty()
+    process = subprocess.Popen([COMMAND, *map(str, words)], stdin=subprocess.DEVNULL, stdout=slave, stderr=subprocess.PIPE)
+    os.close(slave)
+    text = rest_of(master).replace("\r\n", "\n")
+    assert process.wait(timeout=PATIENCE) == 0, process.stderr.read()
+    process.stderr.close()
+    os.close(master)
+    return text
+
+
+def on_a_terminal():
+    """Tables are aligned, and rounded to what their errors carry; pipes, files and --format have the bytes that they had."""
+    words = ["uncertainty", N200, "--force=0.1", "--samples=10", "--front-only", "-q"]
+    try:
+        text = shown(*words)
+    except OSError as error:
+        return f"no pseudo-terminal: {error}"
+    pipe = run(*words).stdout
+    run(*words, "-o", "piped.tsv")
+    assert pathlib.Path("piped.tsv").read_text() == pipe == shown(*words, "--format=tsv") == run(*words, "--digits=3").stdout
+    cells = [[line.split("\t") for line in pipe.splitlines() if line[0] != "#"],
+             *([re.split("  +", line.strip()) for line in shown(*words, *more).splitlines() if line[0] != "#"]
+               for more in (["--digits=all"], []))]
+    assert cells[0] == cells[1] and cells[0][0] == cells[2][0]
+    assert [line for line in text.splitlines() if line[0] == "#"] == [line for line in pipe.splitlines() if line[0] == "#"]
+    names, rows = cells[0][0], zip(cells[0][1:], cells[2][1:], strict=True)
+    for exact, rounded in rows:
+        bias, error = (float(exact[names.index(name)]) for name in ("bias", "bias_err"))
+        assert abs(float(rounded[names.index("bias")]) - bias) <= 0.0501 * error and rounded[names.index("bias_err")] == f"{error:.2g}"
+        assert rounded[names.index("value")] == f"{float(exact[names.index('value')]):.6g}"
+    table_lines = [line for line in text.splitlines() if line[0] != "#"]
+    end = table_lines[0].index("value") + len("value")
+    assert all(line[end - 1] != " " and line[end] == " " for line in table_lines), "numbers end below the end of their name"
+    run("signal", N200, "--points=400", "-o", "one.tsv")
+    assert "\t" not in shown("trace", "one.tsv") and "\t" in shown("trace", "one.tsv", "--format=tsv")
+    for word in ("0", "18", "many", ""):
+        refused("--digits", "statics", N200, f"--digits={word}")
+        refused("--digits", "trace", "one.tsv", f"--digits={word}")
+    return None
+
+
 def low_boxes():
     """They are told, in one warning; what it says would be right is right."""
     words = ["pack", "--set=packing.dimension=3", "--dry-run", "-o", "q.h5"]
@@ -228,4 +271,4 @@ def memory():
         assert done.returncode in (0, 127), (kilobytes, done)
 
 
-main(streams, overwriting, summary, check, statics, progress, low_boxes, programs_beside, memory)
+main(streams, overwriting, summary, check, statics, progress, on_a_terminal, low_boxes, programs_beside, memory)

@@ -73,6 +73,51 @@ TEST(test_chain) {
                      4 * u.quantity[k].sd_error + 0.005 * u.quantity[k].first_order);
 }
 
+/* Equal springs in series have equal parts in C22; all parts together are the shares. */
+TEST(test_parts) {
+    enum { N = 9 };
+    FREED(sp_packing) chain = chain_packing(N, 1e-4);
+    FREED(sp_packing) p = reference_packing(SMALL);
+    sp_uncertainty_options o = sp_uncertainty_options_default();
+    chain.wall = SP_WALL_GRAIN;
+    o.parts = true;
+    o.samples = 0;
+    o.errors.stiffness = 0.03;
+    FREED(sp_uncertainty) one = made(&chain, &o);
+    const int64_t c22 = named(&one, "C22") - one.quantity;
+    assert_int_equal(one.springs, N + 1);
+    for (int k = 0; k <= N; k++)
+        assert_relative(one.by_contact[c22 * (N + 1) + k], 1.0 / (N + 1), 1e-6);
+    o.errors = (sp_errors){
+        .position = 0.01, .radius = 0.02, .force = 0.1, .stiffness = 0.05, .calibration = 0.01, .false_part = 0.01};
+    FREED(sp_uncertainty) u = made(&p, &o);
+    for (int q = 0; q < u.n; q++) {
+        const double *share = u.quantity[q].share;
+        double grains = 0, contacts = 0;
+        for (int k = 0; k < u.grains; k++)
+            grains += u.by_grain[q * u.grains + k];
+        for (int k = 0; k < u.springs; k++)
+            contacts += u.by_contact[q * u.springs + k];
+        assert_relative(grains, share[SP_ERROR_POSITION] + share[SP_ERROR_RADIUS], 1e-12);
+        assert_relative(contacts, share[SP_ERROR_FORCE] + share[SP_ERROR_STIFFNESS] + share[SP_ERROR_FALSE], 1e-12);
+    }
+}
+
+/* Forces do nothing where stiffnesses are given: what is left is rounding, and is no departure from first order. */
+TEST(test_rounding) {
+    FREED(sp_packing) p = reference_packing(SMALL);
+    sp_uncertainty_options o = sp_uncertainty_options_default();
+    for (int32_t k = 0; k < p.n_contacts; k++)
+        p.contacts[k].kn = p.contacts[k].kt = 0.01 + 1e-5 * k;
+    o.errors.force = 0.1;
+    o.samples = 10;
+    FREED(sp_uncertainty) u = made(&p, &o);
+    for (int q = 0; q < u.n; q++) {
+        assert_true(u.quantity[q].first_order == 0);
+        assert_int_equal(u.quantity[q].linear, SP_LINEAR_YES);
+    }
+}
+
 /* A chain without one of its contacts carries no sound: such samples are counted. */
 TEST(test_loose) {
     FREED(sp_packing) p = chain_packing(9, 1e-4);
@@ -176,6 +221,10 @@ TEST(test_refuses) {
     o = sp_uncertainty_options_default();
     o.errors.gap = INFINITY;
     assert_fails(sp_uncertainty_make(&p, &o, &u, &err), SP_EINVAL, "gap");
+    o = sp_uncertainty_options_default();
+    o.parts = true;
+    o.first_order = false;
+    assert_fails(sp_uncertainty_make(&p, &o, &u, &err), SP_EINVAL, "parts");
 }
 
 /* Every allocation fails once. */
@@ -188,6 +237,11 @@ TEST(test_memory) {
     o.errors.missing = 0.5;
     sp_uncertainty u = sp_uncertainty_none();
     EACH_ALLOCATION_FAILS(10, sp_uncertainty_make(&p, &o, &u, &err), assert_true(!lacks || !u.quantity),
+                          sp_uncertainty_free(&u));
+    o.errors.missing = 0;
+    o.samples = 0;
+    o.parts = true;
+    EACH_ALLOCATION_FAILS(10, sp_uncertainty_make(&p, &o, &u, &err), assert_true(!lacks || !u.by_grain),
                           sp_uncertainty_free(&u));
 }
 

@@ -85,11 +85,53 @@ TEST(parts_make_the_whole) {
         assert_close(seen(&net, &left, u) + seen(&net, &right, u), all, 1e-14);
         for (int32_t k = net.n_bulk; k < net.n_springs; k++)
             if (net.springs[k].j == SP_TOP) {
-                const sp_place one = {SP_PLACE_GRAIN, shear, 0, 0, 0, net.grain[net.springs[k].i]};
+                const sp_place one = {.kind = SP_PLACE_GRAIN, .shear = shear, .grain = net.grain[net.springs[k].i]};
                 grains += seen(&net, &one, u);
             }
         assert_close(grains, all, 1e-14);
     }
+    free(u);
+    sp_network_free(&net);
+}
+
+/* A disc sees what the grains within its radius see, those across the period too; one over the corner has four parts.
+ */
+TEST(discs) {
+    sp_packing p = scattered_packing(3, 5, 0.5, 21);
+    sp_network net = network_of(&p, false);
+    double *u = random_vector(&net, 22);
+    const sp_place at[] = {{.kind = SP_PLACE_DISC, .x = 2, .y = 2.5, .diameter = 3},
+                           {.kind = SP_PLACE_DISC, .shear = true, .diameter = 3.5}};
+    for (int d = 0; d < 2; d++) {
+        double sum = 0;
+        int in = 0, out = 0;
+        for (int32_t k = net.n_bulk; k < net.n_springs; k++) {
+            const double *x = net.x + 3 * net.springs[k].i;
+            const sp_place one = {.kind = SP_PLACE_GRAIN, .shear = at[d].shear, .grain = net.grain[net.springs[k].i]};
+            if (net.springs[k].j != SP_TOP)
+                continue;
+            bool inside = false;
+            for (int image = 0; image < 9; image++)
+                inside = inside || hypot(x[0] - at[d].x + (image % 3 - 1) * net.box[0],
+                                         x[1] - at[d].y + (image / 3 - 1) * net.box[1]) <= at[d].diameter / 2;
+            sum += inside ? seen(&net, &one, u) : 0;
+            in += inside;
+            out += !inside;
+        }
+        assert_true(in > 2 && out > 2);
+        assert_close(seen(&net, &at[d], u), sum, 1e-14);
+    }
+    const sp_place bad[] = {{.kind = SP_PLACE_DISC, .x = -1, .y = 1, .diameter = 2},
+                            {.kind = SP_PLACE_DISC, .x = 1, .y = 1e3, .diameter = 2},
+                            {.kind = SP_PLACE_DISC, .x = NAN, .y = 1, .diameter = 2},
+                            {.kind = SP_PLACE_DISC, .x = 1, .y = 1, .diameter = 1e3},
+                            {.kind = SP_PLACE_DISC, .x = 1, .y = 1, .diameter = NAN}};
+    for (int k = 0; k < 5; k++)
+        assert_fails(sp_network_detector_at(&net, &bad[k], u, &err), SP_EINVAL, "disc");
+    char text[SP_PLACE_TEXT];
+    sp_place back;
+    assert_ok(sp_place_read(sp_place_text(&at[1], false, text), false, &back, NULL, &err));
+    assert_true(back.kind == SP_PLACE_DISC && back.shear && back.diameter == 3.5);
     free(u);
     sp_network_free(&net);
 }
@@ -106,7 +148,7 @@ TEST(grains_inside) {
         if (fabs(net.x[3 * i + 1] - 0.5 * net.box[1]) < 0.6)
             inside = i;
     for (int shear = 0; shear < 2; shear++) {
-        const sp_place at = {SP_PLACE_GRAIN, shear, 0, 0, 0, net.grain[inside]};
+        const sp_place at = {.kind = SP_PLACE_GRAIN, .shear = shear, .grain = net.grain[inside]};
         const int64_t dof = (int64_t)inside * net.dof + (shear ? 0 : 1);
         assert_close(seen(&net, &at, u), -ku[dof], 1e-14);
         const sp_source kinds[] = {SP_SOURCE_IMPULSE, SP_SOURCE_VELOCITY, SP_SOURCE_DISPLACEMENT};
@@ -151,13 +193,13 @@ TEST(wrong_places) {
         const sp_place at = {.kind = SP_PLACE_PLANE, .height = heights[k]};
         assert_fails(sp_network_detector_at(&net, &at, out, &err), SP_EINVAL, "0");
     }
-    const sp_place bad[] = {{SP_PLACE_PART, false, 2, 1, 0, 0},
-                            {SP_PLACE_PART, false, NAN, 1, 0, 0},
-                            {SP_PLACE_PART, false, -1, 1, 0, 0},
-                            {SP_PLACE_PART, false, 0, 1e3, 0, 0}};
+    const sp_place bad[] = {{.kind = SP_PLACE_PART, .from = 2, .to = 1},
+                            {.kind = SP_PLACE_PART, .from = NAN, .to = 1},
+                            {.kind = SP_PLACE_PART, .from = -1, .to = 1},
+                            {.kind = SP_PLACE_PART, .to = 1e3}};
     for (int k = 0; k < 4; k++)
         assert_fails(sp_network_detector_at(&net, &bad[k], out, &err), SP_EINVAL, "interval");
-    const sp_place empty = {SP_PLACE_PART, false, 0, 1e-9, 0, 0};
+    const sp_place empty = {.kind = SP_PLACE_PART, .to = 1e-9};
     assert_fails(sp_network_detector_at(&net, &empty, out, &err), SP_EREFUSED, "");
     const sp_place shear = {.shear = true};
     assert_fails(sp_network_detector_at(&net, &shear, out, &err), SP_EREFUSED, "friction");

@@ -47,6 +47,71 @@ static void texts(void **state) {
     assert_text(&empty, SP_JSON, "{\"comments\":[],\n\"columns\":[],\n\"units\":[],\n\"rows\":[]}\n");
 }
 
+/* Two digits of an error, which say how many its value has: 3 where it is 24.7(1.3); six at
+ * most, and where no error is known. Texts stand at the left; characters count, not bytes. */
+static void aligned(void **state) {
+    (void)state;
+    static const struct {
+        const char *file;
+        double c, error;
+        int64_t n;
+    } row[] = {{"a\tb", 0.26612345, 0.0043, 7},
+               {"\xc3\xa9", 24.7182818, 1.26, -12345},
+               {"", 0.25, 0.001, 0},
+               {"big", 123456.789, 1234, 1},
+               {"small", 1.23456789e-9, 5e-9, 2},
+               {"known", 3.14159265358979, 1e-12, 3},
+               {"none", 1.0 / 3, NAN, 4},
+               {"not", -NAN, 0, 5}};
+    const struct {
+        int digits;
+        const char *text;
+    } each[] = {{SP_DIGITS_OF_ERRORS, "# p = 0.1\n# units: c [m/s]\n"
+                                      "file           c    c_err       n\n"
+                                      "a\\tb      0.2661   0.0043       7\n"
+                                      "\xc3\xa9           24.7      1.3  -12345\n"
+                                      "          0.2500    0.001       0\n"
+                                      "big    1.235e+05  1.2e+03       1\n"
+                                      "small    1.2e-09    5e-09       2\n"
+                                      "known    3.14159    1e-12       3\n"
+                                      "none    0.333333      nan       4\n"
+                                      "not          nan        0       5\n"},
+                {3, "# p = 0.1\n# units: c [m/s]\n"
+                    "file          c     c_err       n\n"
+                    "a\\tb      0.266    0.0043       7\n"
+                    "\xc3\xa9          24.7      1.26  -12345\n"
+                    "           0.25     0.001       0\n"
+                    "big    1.23e+05  1.23e+03       1\n"
+                    "small  1.23e-09     5e-09       2\n"
+                    "known      3.14     1e-12       3\n"
+                    "none      0.333       nan       4\n"
+                    "not         nan         0       5\n"},
+                {SP_DIGITS_ALL, "# p = 0.1\n# units: c [m/s]\n"
+                                "file                    c   c_err       n\n"
+                                "a\\tb           0.26612345  0.0043       7\n"
+                                "\xc3\xa9              24.7182818    1.26  -12345\n"
+                                "                     0.25   0.001       0\n"
+                                "big            123456.789    1234       1\n"
+                                "small      1.23456789e-09   5e-09       2\n"
+                                "known    3.14159265358979   1e-12       3\n"
+                                "none   0.3333333333333333     nan       4\n"
+                                "not                   nan       0       5\n"}};
+    sp_table t = sp_table_none();
+    assert_ok(sp_table_add_column(&t, "file", "", SP_COLUMN_TEXT, &err));
+    assert_ok(sp_table_add_column(&t, "c", "m/s", SP_COLUMN_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "c_err", "", SP_COLUMN_NUMBER, &err));
+    assert_ok(sp_table_add_column(&t, "n", "", SP_COLUMN_INTEGER, &err));
+    assert_ok(sp_table_add_comment(&t, &err, "p = 0.1"));
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++)
+        assert_ok(sp_table_add_row(&t, &err, row[k].file, row[k].c, row[k].error, row[k].n));
+    for (size_t k = 0; k < sizeof each / sizeof *each; k++) {
+        char *text = sp_table_aligned(&t, each[k].digits);
+        assert_string_equal(text, each[k].text);
+        sp_free(text);
+    }
+    sp_table_free(&t);
+}
+
 static void tsv_round_trip(void **state) {
     (void)state;
     sp_table t = example(), back = sp_table_none();
@@ -178,6 +243,14 @@ static void lack_of_memory(void **state) {
         assert_null(sp_table_text(&t, (sp_table_format)format));
         sp_alloc_fail_after(-1);
     }
+    text = NULL;
+    for (int64_t k = 0; !text; k++) { /* half a text is none */
+        sp_alloc_fail_after(k);
+        text = sp_table_aligned(&t, SP_DIGITS_ALL);
+        sp_alloc_fail_after(-1);
+    }
+    assert_int_equal(text[strlen(text) - 1], '\n');
+    sp_free(text);
     sp_status status = SP_ENOMEM;
     for (int64_t k = 0; status != SP_OK; k++) {
         sp_alloc_fail_after(k);
@@ -297,9 +370,18 @@ static void metadata_of_lines(void **state) {
 int main(void) {
 #define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
     const struct CMUnitTest tests[] = {
-        BETWEEN(texts),        BETWEEN(tsv_round_trip),    BETWEEN(lenient_reading),   BETWEEN(reference_signal_reads),
-        BETWEEN(refusals),     BETWEEN(noise_is_survived), BETWEEN(lack_of_memory),    BETWEEN(decimal_comma),
-        BETWEEN(many_columns), BETWEEN(metadata),          BETWEEN(metadata_of_lines),
+        BETWEEN(texts),
+        BETWEEN(aligned),
+        BETWEEN(tsv_round_trip),
+        BETWEEN(lenient_reading),
+        BETWEEN(reference_signal_reads),
+        BETWEEN(refusals),
+        BETWEEN(noise_is_survived),
+        BETWEEN(lack_of_memory),
+        BETWEEN(decimal_comma),
+        BETWEEN(many_columns),
+        BETWEEN(metadata),
+        BETWEEN(metadata_of_lines),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

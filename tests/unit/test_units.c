@@ -127,6 +127,7 @@ static sp_table example(void) {
                                            "complete = 0.25:inf",
                                            "error = 1e-9",
                                            "F = from part:1:2.5:normal to plane:3:shear, error 1e-9",
+                                           "F = from disc:1:2:3:normal to part:1:2:shear, error 1e-9",
                                            "packing.history = [0.001, 1e-05]",
                                            "p = 0.0001: grains 20 and 40, heights 8 and nan",
                                            "a remark with 3 d",
@@ -143,16 +144,18 @@ TEST(a_table) {
     const sp_material plain = {1e9, 0, 1000, 0.5};
     sp_table t = example();
     assert_ok(sp_table_to_si(&t, &plain, &err));
-    static const char *const comments[] = {"height = 12250 mm",
-                                           "pressure = 100 kPa, grains = 30, width = 4000 mm, friction = 0.5",
-                                           "complete = 500 rad/s:inf rad/s",
-                                           "error = 0.25 N",
-                                           "F = from part:500mm:1250mm:normal to plane:1500mm:shear, error 0.25 N",
-                                           "packing.history = [1000, 10] kPa",
-                                           "p = 100 kPa: grains 20 and 40, heights 4000 mm and nan mm",
-                                           "a remark with 3 d",
-                                           "height = high",
-                                           "material = E=1000000000,nu=0,rho=1000,d=0.5"};
+    static const char *const comments[] = {
+        "height = 12250 mm",
+        "pressure = 100 kPa, grains = 30, width = 4000 mm, friction = 0.5",
+        "complete = 500 rad/s:inf rad/s",
+        "error = 0.25 N",
+        "F = from part:500mm:1250mm:normal to plane:1500mm:shear, error 0.25 N",
+        "F = from disc:500mm:1000mm:1500mm:normal to part:500mm:1000mm:shear, error 0.25 N",
+        "packing.history = [1000, 10] kPa",
+        "p = 100 kPa: grains 20 and 40, heights 4000 mm and nan mm",
+        "a remark with 3 d",
+        "height = high",
+        "material = E=1000000000,nu=0,rho=1000,d=0.5"};
     assert_int_equal(t.comments, sizeof comments / sizeof *comments);
     for (int i = 0; i < t.comments; i++)
         assert_string_equal(t.comment[i], comments[i]);

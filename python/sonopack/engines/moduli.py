@@ -38,6 +38,8 @@ def run(a: argparse.Namespace) -> int:
 def _compute(a: argparse.Namespace, net: Network) -> Table:
     if a.probe or a.strain:
         raise usage(f"--engine petsc: has the moduli of small homogeneous strains alone, not --{'probe' if a.probe else 'strain'}")
+    if net.cell == "ring":
+        raise Failed(f"{net.path}: the walls are rings: an imposed strain needs flat walls or a periodic cell")
     c, error = _stiffness(net)
     up = net.dim - 1
     if not c[up, up] > error[up, up]:
@@ -52,11 +54,22 @@ def _compute(a: argparse.Namespace, net: Network) -> Table:
     values |= {"c_l": np.sqrt(c[up, up] / density), "c_t": np.sqrt(shear / density)}
     if net.cell != "piston":
         whole = {name: c[int(name[1]) - 1, int(name[2]) - 1] for name in _WHOLE[net.dim].split()}
-        whole |= _isotropic(net.dim, c, error) | {"C_err": error.max()}
+        whole |= _isotropic(net.dim, c, error)
         units |= {name: "E*" for name in whole if not name.startswith("anisotropy")}
         values |= whole
+    slip = error[2, 2] if net.dim == 2 else 0.5 * (error[3, 3] + error[4, 4])
+    errors = {"C_err": np.nanmax(error), "c_l_err": _speed_error(values["c_l"], error[up, up], density, len(net.x)),
+              "c_t_err": _speed_error(values["c_t"], slip, density, len(net.x))}
+    units |= {name: units[name.removesuffix("_err")] if name != "C_err" else "E*" for name in errors}
+    values |= errors
     told = {"solver": f"petsc, {net.comm.size} ranks"}
     return Table.from_columns({name: np.atleast_1d(value) for name, value in values.items()}, units, told)
+
+
+def _speed_error(speed: float, error: float, density: float, grains: int) -> float:
+    """As speed_error of src/cli/cmd_moduli.c."""
+    steep = error / density / speed if speed else np.inf
+    return float(np.fmin(steep, np.sqrt(error / density)) + 4 * grains * EPSILON * speed)
 
 
 def _density(net: Network, margin: float) -> float:

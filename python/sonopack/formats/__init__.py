@@ -21,7 +21,7 @@ from .._core import Floats, InvalidInput, Path, c_path, call
 from .._packing import Packing
 from .._native import lib
 from .._records import Material
-from . import contacts, finish, forms, grains, lammps, law, vtk, whole, xyz
+from . import contacts, finish, forms, grains, lammps, law, vtk, walls, whole, xyz
 from ._faults import bad_file, bad_option
 from .export import Export, beside
 from .options import SAID, Options, keys_of, read_key
@@ -72,7 +72,7 @@ def load(path: str, options: Options) -> tuple[Packing, Report]:
     _check_options(options, form)
     with np.errstate(invalid="ignore", divide="ignore"):
         w = _read_files(path, options, form)
-        for stage in (grains.gather, grains.find_cell, contacts.read, contacts.read_walls):
+        for stage in (grains.gather, grains.find_cell, contacts.read, walls.read):
             stage(w)
         w.roles.check(w.grains, w.contacts)
         law.complete(w)

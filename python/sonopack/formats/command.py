@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import formats
 from .._command import Failed, Parser, cores, may_write, note, number, option, usage, whole
-from .._core import Floats, c_path
+from .._core import Floats, SonopackError, c_path
 from .._native import lib
 from .._packing import Packing
 from .._records import Material
@@ -20,7 +20,7 @@ from .._table import material_of
 from ..plot._inputs import Input
 from ..plot._motion import Motion, find_mode, find_snapshots
 from . import forms, vtk
-from .export import Export
+from .export import Export, beside
 from .options import Options, read_keys
 from .work import modulus
 
@@ -43,11 +43,11 @@ With IN, OUT and both tables the packing is written in both forms. IN may also b
 Yade or MercuryDPM, extended XYZ, or a table; its contacts are then in --contacts FILE or, with --contacts
 overlap, found by overlap:
   sonopack convert grains.dump P.h5 --contacts contacts.dump --set friction=0.5
---set then takes dimension, up, cell (piston, periodic or box: that of the file), sides, across, width, depth,
-bottom, top, height, left, right, front, back, xy, xz, yz, gravity, pressure, friction, poisson, wall, digits,
-first_id (docs/formats.md). For our own tables: box and material are in comment lines `# key = value' or in
---set key=value: width, depth (3D), height, cell, xy, xz, yz, gravity, pressure, friction, poisson, wall,
-material, seed. Lengths are in mean grain diameters, pressures in E*.
+--set then takes dimension, up, cell (piston, periodic, box or ring: that of the file), sides, across, width,
+depth, bottom, top, height, left, right, front, back, inner, outer, x0, y0, xy, xz, yz, gravity, pressure,
+friction, poisson, wall, wall_modulus, wall_kn, digits, first_id (docs/formats.md). For our own tables: box and
+material are in comment lines `# key = value' or in --set key=value: width, depth (3D), height, cell, xy, xz,
+yz, gravity, pressure, friction, poisson, wall, material, seed. Lengths are in mean grain diameters, pressures in E*.
 
 Endings of OUT for other programs: .vtp (ParaView, OVITO: also NAME-contacts.vtp, NAME-walls.vtp and
 NAME.vtm), .pvd (ParaView: a series of snapshots, NAME-0000.vtp and so on), .data and .dump (LAMMPS), .xyz
@@ -73,7 +73,8 @@ def parser() -> Parser:
         help="contacts with the walls (those that IN has, else overlap)")
     add("--columns", metavar="ROLE=NAME,...", help="columns of IN and its contacts, as in id1=c_1[1],ft_x=c_2[5]")
     add("--types", metavar="T,...", help="only grains of these types")
-    add("--frame", metavar="N", type=whole(0, 9 * 10**15), help="frame or time step N (the last)")
+    add("--frame", metavar="N|LOW:HIGH|all", type=_frames,
+        help="frame or time step N (the last); several: OUT-N for each")
     add("--length-unit", metavar="L", type=unit, help="length unit of IN over that of the material (1)")
     add("--force-unit", metavar="F", type=unit, help="the same for forces")
     add("--mass-unit", metavar="M", type=unit, help="the same for masses")
@@ -93,6 +94,16 @@ def parser() -> Parser:
     add("--amplitude", metavar="D", type=number(0, 1e6), help=".pvd: largest displacement shown [d] (0.25)")
     p.set_type("--material", option(_material_option))
     return p
+
+
+def _frames(text: str) -> int | tuple[int, int]:
+    """The type of --frame: N, LOW:HIGH or all."""
+    most = 9 * 10**15
+    if text == "all":
+        return 0, most
+    low, colon, high = text.partition(":")
+    first = whole(0, most)(low)
+    return (first, whole(first, most)(high)) if colon else first
 
 
 def _times(text: str) -> list[float]:
@@ -392,8 +403,27 @@ def _write(job: _Job, packing: Packing) -> None:
 
 
 def run(a: argparse.Namespace) -> int:
-    """Reads one packing and writes it."""
-    job = _job(a)
+    """Reads one packing and writes it, or those of several frames."""
+    if not isinstance(a.frame, tuple):
+        return _convert(a, _job(a))
+    job, failed, (low, high) = _job(a), list[str](), a.frame
+    ending = os.path.splitext(str(job.target).removesuffix(".gz"))[1]
+    numbers = [k for k in formats.frames_of(str(job.source), a.form) if low <= k <= high]
+    if not numbers:
+        raise usage(f"--frame {low}:{high}: {job.source} has no such frame")
+    for k in numbers:
+        target = beside(str(job.target), f"-{k:0{len(str(max(numbers)))}d}{ending}")
+        one = argparse.Namespace(**{**vars(a), "frame": k, "files": [job.source, target], "output": None})
+        try:
+            _convert(one, _job(one))
+        except SonopackError as fault:
+            failed.append(f"frame {k}: {fault}")
+    if failed:
+        raise Failed(f"{len(failed)} of {len(numbers)} frames are not converted; {failed[0]}")
+    return 0
+
+
+def _convert(a: argparse.Namespace, job: _Job) -> int:
     _check_output(job)
     packing = _take_material(job, _read(job))
     _write(job, packing)

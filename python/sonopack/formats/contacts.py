@@ -1,5 +1,4 @@
-"""Contacts of grains: those that a file lists, or all that overlap; and with the walls: by overlaps, from the per-atom
-output of fix wall/gran, from a file, or by what is missing in the balance of forces."""
+"""Contacts of grains: those that a file lists, those with walls included, or all that overlap."""
 from __future__ import annotations
 
 import dataclasses
@@ -8,13 +7,12 @@ import math
 import numpy as np
 
 from .._core import Floats, Integers
-from ._faults import bad_file, bad_option
-from .options import SIDES, Column
+from ._faults import bad_file
+from .options import RINGS, SIDES, Column
 from .sheet import Mask, Sheet
-from .work import Links, Work, dot, joined, length, links_of, running_sum, sum_over
+from .work import Links, Work, dot, length, links_of
 
 _WALL = -100  # a wall of which it is not known which: far from the numbers of walls
-_USUAL = (("f_floor", "f_bottom"), ("f_roof", "f_top"), ("f_left",), ("f_right",), ("f_front",), ("f_back",))
 
 
 def read(w: Work) -> None:
@@ -94,6 +92,7 @@ def _find_grains(w: Work, sheet: Sheet, column: int) -> tuple[Integers, Mask]:
     if len(named):
         words = np.array(sheet.words(column))[named]
         sides = {side: -1 - k for k, side in enumerate(SIDES) if w.has_side(-1 - k)}
+        sides |= {name: -1 - k for k, name in enumerate(RINGS) if w.cell == "ring"}
         sheet.refuse(~np.isin(words, list(sides)), column, "a whole number", named)
         grain[named] = [sides[word] for word in words]
     rows = np.flatnonzero(~np.isnan(values))
@@ -133,19 +132,23 @@ def _place_at_walls(w: Work, listed: _List, links: Links) -> Mask:
     here, point = np.flatnonzero(links.j == _WALL), listed.vectors["p"]
     if len(here) == 0:
         return beside
+    w.pointed = True
     if point is None:
         raise bad_file(f"{listed.where(links, here[0])}: a contact with a wall without the point of contact, p_x p_y")
     p = w.vectors(listed.sheet, point, links.row[here])
     p = p * w.scale - np.array(w.low) - w.x[links.i[here]]
     p[:, w.dim:] = 0
-    axis = _largest_axis(w, p)
+    if w.cell == "ring":
+        links.j[here] = np.where(dot(p, w.ring_of(w.x[links.i[here]])[0]) > 0, -2, -1)
+        return beside
+    axis = largest_axis(w, p)
     along = p[np.arange(len(p)), axis]
     links.j[here] = [w.wall_on(a, value) for a, value in zip(axis.tolist(), along.tolist())]
     beside[here] = np.abs(along) < 0.7 * length(p)
     return beside
 
 
-def _largest_axis(w: Work, vectors: Floats) -> Integers:
+def largest_axis(w: Work, vectors: Floats) -> Integers:
     """The axis across the wall to which a vector points: up, and in a box that of its largest component."""
     axis = np.full(len(vectors), w.up)
     size = np.abs(vectors)
@@ -234,16 +237,6 @@ def touching(w: Work) -> Links:
     return links
 
 
-def _touching_walls(w: Work) -> Links:
-    """All grains that overlap the walls whose positions are known."""
-    out = links_of([], [])
-    for side in np.flatnonzero(w.has_wall):
-        links = links_of(np.arange(w.n), np.full(w.n, -1 - side))
-        w.place_links(links)
-        out = joined(out, links[links.depth > 0])
-    return out
-
-
 def _pairs(w: Work) -> tuple[Integers, Integers]:
     """Pairs i < j that overlap, ascending. Near periodic faces the grains have images on the other side."""
     from scipy.spatial import cKDTree
@@ -269,177 +262,3 @@ def _pairs(w: Work) -> tuple[Integers, Integers]:
 def _thickness(w: Work, a: int) -> float:
     """Distance between the faces of the box on an axis."""
     return 1 / float(np.linalg.norm(np.linalg.inv(w.lattice()[:w.dim, :w.dim])[:, a]))
-
-
-# ---- walls ----------------------------------------------------------------------------------------------------------
-
-def read_walls(w: Work) -> None:
-    """Adds the contacts with the walls, as the option says or the files have them."""
-    walls = w.o.walls
-    if walls == "none" or (walls is None and w.cell == "periodic"):
-        return
-    if w.cell == "periodic":
-        raise bad_option(f"--walls {walls}: the cell of {w.path} is periodic along all axes and has no walls: --set "
-                         "cell=piston or box, if it should have")
-    fixes = {}
-    if walls is None and w.walls is None:
-        found = {side: _find_fix(w, side) for side in range(2 * w.dim if w.cell == "box" else 2)}
-        fixes = {side: fix for side, fix in found.items() if fix is not None}
-    if walls == "balance":
-        _balance(w)
-    elif w.walls is not None:
-        _read_file(w, w.walls)
-    elif fixes:
-        _read_fixes(w, fixes)
-    elif walls == "overlap" or (w.form != "photoelastic" and not (w.links.j < 0).any()):
-        if walls is not None and not w.has_wall[0] and not w.has_wall[1]:
-            raise bad_option(f"--walls overlap: {w.path} has no box along {w.name_of(w.up)}; must be given: --set "
-                             "bottom=PLACE, --set top=PLACE")
-        w.links = joined(w.links, _touching_walls(w))
-
-
-# ---- forces of walls ------------------------------------------------------------------------------------------------
-
-def _pushing(w: Work, grain: Integers, force: Floats) -> Integers:
-    """The walls that push grains. In a box it is the nearest of those that push in the direction of the force."""
-    best = np.where(force[:, w.up] > 0, -1, -2)
-    nearest = np.full(len(grain), math.inf)
-    for a in range(w.dim if w.cell == "box" else 0):
-        wall = np.where(force[:, a] > 0, w.wall_on(a, -1), w.wall_on(a, 1))
-        distance = np.where(force[:, a] > 0, w.x[grain, a], w.edge[a] - w.x[grain, a])
-        nearer = (force[:, a] != 0) & (distance < nearest)
-        best, nearest = np.where(nearer, wall, best), np.where(nearer, distance, nearest)
-    return best
-
-
-def _add_forces(w: Work, grain: Integers, wall: Integers, force: Floats, point: Floats | None) -> tuple[Mask, Mask]:
-    """Adds contacts with walls that push grains with these forces, in the units of the file, at these points. Returns
-    which of them act from the side, and are left out, and which pull."""
-    links = links_of(grain, wall)
-    w.place_links(links)
-    beside = np.zeros(len(grain), bool) if point is None else _turn_normals(w, links, point)
-    along = -dot(force, links.n)
-    links.fn, links.ft = along * w.force, (force + along[:, None] * links.n) * w.force
-    pulls = (links.fn < 0) & ~beside
-    w.links = joined(w.links, links[~beside & ~pulls])
-    return beside, pulls
-
-
-def _turn_normals(w: Work, links: Links, point: Floats) -> Mask:
-    """Normals point to the points of contact. Returns which lie at the side."""
-    axis = np.array([w.axis_of(j) for j in links.j.tolist()], dtype=np.int64)
-    d = point * w.scale - np.array(w.low) - w.x[links.i]
-    d[:, w.dim:] = 0
-    known = np.isfinite(d[:, 0]) & (length(d) > 0)
-    for a in np.flatnonzero(w.periodic[:w.up]):
-        d[:, a] -= w.edge[a] * np.rint(d[:, a] / w.edge[a])
-    far, along = length(d), np.abs(d[np.arange(len(d)), axis])
-    turned = known & (along < (1 - 1e-12) * far)
-    links.n[turned] = d[turned] / far[turned, None]
-    new = known & np.isnan(links.depth)
-    links.depth[new] = w.r[links.i[new]] - far[new]
-    beside: Mask = known & (along < 0.7 * far)
-    return beside
-
-
-def _pull_text(w: Work, grain: int) -> str:
-    return f"the force of a wall on grain {w.id[grain]} pulls; must push it away from the wall"
-
-
-# ---- fix wall/gran contacts -----------------------------------------------------------------------------------------
-
-#: grains that a wall touches, its forces, and the points of contact
-_Fix = tuple[Integers, Floats, "Floats | None"]
-
-
-def _find_fix(w: Work, side: int) -> _Fix | None:
-    """What the columns f_ID[1] ... f_ID[7] say of a wall: touches, force, point."""
-    role = SIDES[side]
-    names = (w.roles.named[role][0],) if role in w.roles.named else _USUAL[side]
-    for name in names:
-        columns = [w.grains.column(f"{name}[{k}]") for k in range(1, 8)]
-        force, point = ([(columns[first + f], w.roles.axis_sign(f)) for f in w.axis[:w.dim]] for first in (1, 4))
-        if columns[0] >= 0 and min(force)[0] >= 0:
-            grain = np.flatnonzero(w.grains.finite(columns[0], w.row) != 0)
-            rows = w.row[grain]
-            return (grain, w.vectors(w.grains, force, rows),
-                    w.vectors(w.grains, point, rows) if min(point)[0] >= 0 else None)
-    return None
-
-
-def _place_wall(w: Work, point: Floats | None, side: int) -> None:
-    """Takes the position of a wall from its points of contact, if these lie in a plane, and moves the box to it."""
-    axis, far = w.axis_of(-1 - side), side % 2
-    if point is None or len(point) == 0 or w.o.given(SIDES[side], w.size_key(axis)):
-        return
-    low, high = float((point[:, axis] * w.scale).min()), float((point[:, axis] * w.scale).max())
-    if high - low > 1e-6:
-        return
-    other = w.low[axis] if far else w.low[axis] + w.edge[axis]
-    move = 0.0 if far else low - w.low[axis]
-    w.low[axis] = other if far else low
-    w.edge[axis] = low - other if far else other - low
-    w.has_wall[side] = True
-    w.x[:, axis] -= move
-
-
-def _read_fixes(w: Work, fixes: dict[int, _Fix]) -> None:
-    for side, (_, _, point) in fixes.items():
-        _place_wall(w, point, side)
-    for side, (grain, force, point) in fixes.items():
-        _, pulls = _add_forces(w, grain, np.full(len(grain), -1 - side), force, point)
-        if pulls.any():
-            raise bad_file(_pull_text(w, grain[pulls][0]))
-
-
-# ---- a file ---------------------------------------------------------------------------------------------------------
-
-def _read_file(w: Work, sheet: Sheet) -> None:
-    ids, axes = w.roles.need(sheet, "id")[0], w.axis[:w.dim]
-    at, points = w.roles.vector(sheet, "f", axes), w.roles.vector(sheet, "p", axes)
-    if at is None:
-        w.roles.need(sheet, "f_x")
-        raise bad_file(f"{sheet.file}: no columns for f_x, f_y")
-    grain = w.grain_of(sheet.whole(ids))
-    if w.report.left_out == 0:
-        sheet.refuse(grain < 0, ids, "the id of a grain in the file of grains")
-    rows = np.flatnonzero(grain >= 0)
-    force = w.vectors(sheet, at, rows)
-    point = w.vectors(sheet, points, rows) if points else None
-    size = length(force)
-    from_side = (np.abs(force[:, w.up]) < 0.5 * size) & (w.cell == "piston" and point is None)
-    taken = (size > 0) & ~from_side
-    rows, force, point = rows[taken], force[taken], None if point is None else point[taken]
-    beside, pulls = _add_forces(w, grain[rows], _pushing(w, grain[rows], force), force, point)
-    if pulls.any():
-        row = int(rows[pulls][0])
-        raise bad_file(f"{sheet.file}:{sheet.line(row)}: {_pull_text(w, grain[row])}")
-    left_out = int(beside.sum()) + int(from_side.sum())
-    if left_out > 0:
-        w.note(f"{left_out} contacts with side walls are left out")
-
-
-# ---- balance --------------------------------------------------------------------------------------------------------
-
-def _balance(w: Work) -> None:
-    """Grains at the boundary are pushed by walls that the file does not list: with the force that they lack."""
-    if not w.has_forces:
-        raise bad_option(f"--walls balance: {w.path} has no forces; must have them")
-    mean = running_sum(w.links.fn / len(w.links))
-    old = w.links
-    lack = sum_over(old.i, old.j, w.n, np.where(np.isfinite(old.ft), old.ft, 0) - old.fn[:, None] * old.n)
-    size = length(lack)
-    pushed = size > 0.05 * mean
-    grain = np.flatnonzero(pushed & w.boundary)
-    axis = _largest_axis(w, lack[grain])
-    along = lack[grain, axis]
-    aside = np.abs(along) < 0.5 * size[grain]
-    grain, axis, along = grain[~aside], axis[~aside], along[~aside]  # the others push it up: what holds it is above
-    links = links_of(grain, [w.wall_on(a, value) for a, value in zip(axis.tolist(), along.tolist())])
-    links.fn, links.n, links.ft = size[grain], lack[grain] / size[grain, None], np.zeros((len(grain), 3))
-    w.links = joined(old, links)
-    if aside.any():
-        w.note(f"{int(aside.sum())} boundary grains are pushed from the side: this force is left out")
-    inner = int((pushed & ~w.boundary).sum())
-    if inner > 0:
-        w.note(f"{inner} grains that are not marked as boundary lack more than 5% of the mean force")

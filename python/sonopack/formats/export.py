@@ -75,6 +75,13 @@ class Export:
         self.tilt = [t * u.length for t in p.tilt]
         self.pressure, self.gravity = p.pressure * u.stress, p.gravity * u.stress / (u.density * u.length)
         self.special = p.cell != "piston" or p.gravity != 0
+        #: the edges of the smallest box around the cell, and what the heads of other programs' files say of the cell
+        self.frame, n = list(self.box), number_text
+        self.said = f" cell={p.cell} gravity={n(self.gravity)}" if self.special else ""
+        if p.cell == "ring":
+            outer = 0.5 * self.box[0]
+            self.frame[1] = self.box[0]
+            self.said += f" inner={n(outer - self.box[1])} outer={n(outer)} x0={n(outer)} y0={n(outer)}"
         self.x, self.r = np.array(p.x) * u.length, np.array(p.r) * u.length
         self.mass = (sphere_mass(np.array(p.r)) if p.mass is None else np.array(p.mass)) * u.mass
         self.density = np.full(p.n, u.density) if p.mass is None else self.mass / sphere_mass(self.r)

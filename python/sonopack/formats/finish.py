@@ -12,12 +12,14 @@ from .._packing import Packing
 from .contacts import touching
 from ._faults import bad_file, bad_option, refused
 from .law import hertz_overlap, near, usual_stiffness, wall_stiffness
-from .options import NAN, SIDES
-from .work import Links, Work, contact_table, length, running_sum, sphere_mass, sum_over
+from .options import NAN, RINGS, SIDES
+from .work import Links, Work, contact_table, dot, length, running_sum, sphere_mass, sum_over
 
 
 def make(w: Work) -> Packing:
     """The packing of what has been gathered."""
+    if w.cell == "ring" and not all(w.has_wall[:2]):
+        _fit_ring(w)
     x, outside = _wrap(w), _axes_outside(w)
     if (outside >= 0).any():
         _fail_outside(w, outside)
@@ -102,6 +104,9 @@ def _wrap(w: Work) -> Floats:
 def _axes_outside(w: Work) -> Integers:
     """The axis on which each grain lies outside of the walls; -1: none."""
     out = np.full(w.n, -1)
+    if w.cell == "ring":
+        level = w.ring_of(w.x)[1]
+        return np.where((level >= 0) & (level <= w.edge[1]), -1, 0)
     for a in range(w.dim):
         if not w.periodic[a]:
             out[~((w.x[:, a] >= 0) & (w.x[:, a] <= w.edge[a]))] = a
@@ -112,6 +117,10 @@ def _fail_outside(w: Work, outside: Integers) -> None:
     """Says where the walls are taken to be, and whether anything touches them: loose grains have no walls to find."""
     k = int(np.flatnonzero(outside >= 0)[0])
     axis = int(outside[k])
+    if w.cell == "ring":
+        raise bad_file(f"{w.path}: the centre of grain {w.id[k]} is not between the rings, nor are those of "
+                       f"{int((outside >= 0).sum()) - 1} others: correct --set x0=, y0=, inner= and outer=, or leave "
+                       "them out")
     low, high = w.low[axis] / w.scale, (w.low[axis] + w.edge[axis]) / w.scale
     first = w.wall_on(axis, -1)
     names = SIDES[-1 - first], SIDES[-first]
@@ -145,6 +154,36 @@ def not_usual(r: Floats, mass: Floats, inertia: Floats) -> tuple[Floats | None, 
     return (None, None) if spheres else (mass, inertia)
 
 
+def _fit_ring(w: Work) -> None:
+    """The circles that pass nearest to the points of contact with the rings, but for what is given. Forces stay what
+    they are."""
+    links, names = w.links, (f"{w.name_of(0)}0", f"{w.name_of(1)}0", *RINGS)
+    free = np.array([not w.o.given(name) for name in names])
+    c = np.flatnonzero((links.j < 0) & (links.fn > 0))
+    i, far = links.i[c], (links.j[c] == -2)
+    if min(far.sum(), (~far).sum()) < 3:
+        return
+    force = links.ft[c] - links.fn[c, None] * links.n[c]
+    low, inner, outer = np.array(w.low[:2]), 0.5 * w.edge[0] - w.edge[1], 0.5 * w.edge[0]
+    for _ in range(20):
+        out, level = w.ring_of(w.x[i])
+        miss = np.where(far, level - w.edge[1] + w.r[i] - links.overlap[c], level - w.r[i] + links.overlap[c])
+        step = np.zeros(4)
+        step[free] = np.linalg.lstsq(np.stack([*out[:, :2].T, ~far, far], axis=1).astype(float)[:, free], miss, rcond=None)[0]
+        inner, outer = inner + step[2], outer + step[3]
+        low = low + step[:2] - (outer - 0.5 * w.edge[0])
+        w.x[:, :2] += 0.5 * (2 * outer - w.edge[0]) - step[:2]
+        w.edge[:2] = [2 * float(outer), float(outer - inner)]
+    w.low[:2] = low.tolist()
+    walls = links[c]
+    w.place_links(walls)
+    links.n[c], links.fn[c] = walls.n, -dot(force, walls.n)
+    links.ft[c] = force + links.fn[c, None] * walls.n
+    rms = float(np.sqrt(np.mean(miss**2)))
+    text = ", ".join(f"{key}={float(v) / w.scale:.8g}" for key, v in zip(names, (*(low + outer), inner, outer)))
+    w.note(f"rings through their {len(c)} contacts: {text}; these lie within {w.length_text(rms)} of them (rms)")
+
+
 # ---- pressure -------------------------------------------------------------------------------------------------------
 
 def _area(w: Work) -> float:
@@ -166,7 +205,7 @@ def _mean_pressure(w: Work) -> float:
     """In a periodic cell or a box: mean of the normal stresses, sum of F.r over the volume and the dimension."""
     links, given = w.links, _given_pressure(w)
     branch = w.r[links.i] - links.overlap + np.where(links.j >= 0, w.r[np.maximum(links.j, 0)], 0)
-    mean = running_sum(links.fn * branch) / (w.dim * (_area(w) * w.edge[w.up]))
+    mean = running_sum(links.fn * branch) / (w.dim * w.volume())
     if math.isfinite(given) and abs(mean / given - 1) > 1e-2:
         w.note(f"the mean of the normal stresses is {w.pressure_text(mean)}, not the given {w.pressure_text(given)}")
     return _checked(w, given if math.isfinite(given) else mean)
@@ -220,6 +259,8 @@ def _check_balance(w: Work, p: Packing) -> None:
         w.note(f"all grains are rattlers: no balance of forces can be told{why}")
     else:
         w.report.balance = most / mean if mean > 0 else NAN
+        inner = ~np.isin(np.flatnonzero(counted), links.i[links.j < 0])
+        w.report.elsewhere = float(now[inner].max(initial=0)) / mean if mean > 0 and inner.any() else NAN
         if most > mean and not w.has_ft and w.friction > 0:
             w.note("forces do not balance, perhaps because the tangential forces are missing")
         elif most > mean:
@@ -258,9 +299,10 @@ def _remark_friction(w: Work, pressure: float) -> None:
 
 
 def _remark_walls(w: Work) -> None:
-    for side, key in enumerate(SIDES):
-        if w.has_side(-1 - side) and not (w.links.j == -1 - side).any():
-            name = ("lower", "upper")[side] if side < 2 else key
+    for side in w.sides:
+        if not (w.links.j == -1 - side).any():
+            key = w.side_name(-1 - side)
+            name = ("lower", "upper")[side] if side < 2 and w.cell != "ring" else key
             w.note(f"no grain touches the {name} wall" + ("" if w.cut else f"; --set {key}=PLACE moves it"))
 
 

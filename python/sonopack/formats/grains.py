@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 
-from .._core import Integers
+from .._core import Floats, Integers
 from ._faults import bad_file, bad_option
-from .options import SIDES
+from .options import RINGS, SIDES
 from .work import Work, modulus, running_sum, sphere_mass
 
 _MOST = (2**31 - 1) // 4
@@ -176,7 +176,7 @@ def find_cell(w: Work) -> None:
     w.cell = w.o.keys.get("cell") or _choose(w)
     if w.cell != "periodic" and _is_tilted(w):
         raise bad_file(f"{w.path}: a tilted box (xy xz yz); must have right angles in a cell with walls")
-    {"periodic": _find_periods, "box": _find_box, "piston": _find_piston}[w.cell](w)
+    {"periodic": _find_periods, "box": _find_box, "piston": _find_piston, "ring": _find_ring}[w.cell](w)
     for a in range(w.dim):
         w.x[:, a] -= w.low[a]
     _check_periods(w)
@@ -185,6 +185,8 @@ def find_cell(w: Work) -> None:
 # ---- which kind -----------------------------------------------------------------------------------------------------
 
 def _choose(w: Work) -> str:
+    if w.o.given(*RINGS, "x0", "y0", "z0"):
+        return "ring"
     if w.o.given("left", "right", "front", "back"):
         return "box"
     if w.o.keys.get("sides") == "open" or w.o.given("across", "bottom", "top", "height"):
@@ -347,6 +349,42 @@ def _find_wall(w: Work, a: int, side: int) -> float:
         raise _no_box(w, a, SIDES[-1 - wall], "PLACE in the file's units")
     w.has_wall[-1 - wall] = False
     return _extent(w, a)[side]
+
+
+# ---- rings ----------------------------------------------------------------------------------------------------------
+
+def _find_ring(w: Work) -> None:
+    """Two circles. What is not given is found: the outer circle is the smallest that holds all grains."""
+    if w.dim != 2:
+        raise bad_option(" = ring: the grains do not lie in one plane; must be a layer", "cell")
+    keys = [f"{w.name_of(a)}0" for a in range(2)]
+    given = [w.o.number(key) * w.scale for key in keys]
+    if w.o.given("x0", "y0", "z0") and not np.isfinite(given).all():
+        raise bad_option(f"the centre of a ring: must be given by --set {keys[0]}= and --set {keys[1]}=, or by neither")
+    centre = np.array(given) if np.isfinite(given).all() else _middle(w)
+    away = np.hypot(*(w.x[:, :2] - centre).T)
+    inner, outer = (w.o.number(key) * w.scale for key in RINGS)
+    w.has_wall[0], w.has_wall[1] = (bool(np.isfinite(given).all() and math.isfinite(wall)) for wall in (inner, outer))
+    inner = inner if math.isfinite(inner) else float((away - w.r).min())
+    outer = outer if math.isfinite(outer) else float((away + w.r).max())
+    if not 0 < inner < outer:
+        raise bad_option(f" = {inner / w.scale:.6g}: must be above 0 and below the outer radius, {outer / w.scale:.6g}",
+                         "inner")
+    w.low[:2], w.edge[:2] = (centre - outer).tolist(), [2 * outer, outer - inner]
+    text = ", ".join(f"{key}={float(value) / w.scale:.8g}" for key, value in zip((*keys, *RINGS), (*centre, inner, outer)))
+    w.note(f"cell: a ring, {text}" + ("" if all(w.has_wall[:2]) else "; what is not given is found from the grains"))
+
+
+def _middle(w: Work) -> Floats:
+    """The centre of the smallest circle around all grains, of which a few of the outermost decide."""
+    from scipy.optimize import minimize
+    x, r = w.x[:, :2], w.r
+    start = 0.5 * ((x - r[:, None]).min(axis=0) + (x + r[:, None]).max(axis=0))
+    reach = np.hypot(*(x - start).T) + r
+    near = reach > reach.max() - 4 * r.max()
+    inside = {"type": "ineq", "fun": lambda c: c[2] - np.hypot(*(x[near] - c[:2]).T) - r[near]}
+    return np.asarray(minimize(lambda c: c[2], [*start, reach.max()], jac=lambda c: np.array([0.0, 0.0, 1.0]),
+                               constraints=inside, method="SLSQP", options={"ftol": 1e-15, "maxiter": 200}).x[:2])
 
 
 # ---- under a piston -------------------------------------------------------------------------------------------------

@@ -148,15 +148,14 @@ def _bounds(e: Export) -> list[tuple[float, float, bool]]:
     touches its own image; in 2D the layer is one diameter thick, as always."""
     p = e.packing
     wide = 0.25 * e.units.length if p.dim > 1 else max(0.25 * e.units.length, float(e.r.max()))
-    return [(0.0, e.box[a], e.periodic(a)) if a < p.dim else (-2 * wide, 2 * wide, True) for a in range(3)]
+    return [(0.0, e.frame[a], e.periodic(a)) if a < p.dim else (-2 * wide, 2 * wide, True) for a in range(3)]
 
 
 def write_data(e: Export) -> bytes:
     """A data file of atom style sphere. What it cannot say otherwise is in its first line, which LAMMPS skips."""
     p, n = e.packing, number_text
-    special = f" cell={p.cell} gravity={n(e.gravity)}" if e.special else ""
     head = (f"sonopack packing in {e.units.all}: dimension={p.dim} pressure={n(e.pressure)} friction={n(p.friction)} "
-            f"poisson={n(p.poisson)} wall={p.wall}{special}\n\n{p.n} atoms\n1 atom types\n\n")
+            f"poisson={n(p.poisson)} wall={p.wall}{e.said}\n\n{p.n} atoms\n1 atom types\n\n")
     head += "".join(f"{n(low)} {n(high)} {edge}\n" for edge, (low, high, _) in zip(_EDGES, _bounds(e)))
     if any(p.tilt):
         head += " ".join(map(n, e.tilt)) + " xy xz yz\n"

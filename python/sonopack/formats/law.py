@@ -11,7 +11,7 @@ from .._core import Floats, Integers
 from ._faults import bad_file, bad_option, refused
 from .options import NAN, WALLS
 from .sheet import Mask
-from .work import Links, Work, dot, known_overlap, running_sum
+from .work import Links, Work, dot, known_overlap, modulus, running_sum
 
 
 def wall_stiffness(r: Floats, wall: str) -> Floats:
@@ -69,7 +69,12 @@ def complete(w: Work) -> None:
     w.friction = o.number("friction")
     usual = {"lammps-data": "elastic", "lammps-dump": "elastic", "liggghts": "elastic", "yade": "grain"}
     w.wall = str(o.keys.get("wall", usual.get(w.form, "rigid")))
-    if np.isfinite(w.links.kn).any() or math.isfinite(o.kn):
+    springs = bool(np.isfinite(w.links.kn).any() or math.isfinite(o.kn))
+    for key, right in (("wall_kn", springs), ("wall_modulus", not springs)):
+        if o.given(key) and not right:
+            raise bad_option(": is for contacts of given stiffness (--kn); must be wall_modulus for Hertz's law"
+                             if key == "wall_kn" else ": is for Hertz's law; must be wall_kn where --kn is given", key)
+    if springs:
         _complete_springs(w)
     else:
         _complete_hertz(w, _compare_all(w))
@@ -119,7 +124,8 @@ def _complete_hertz(w: Work, from_forces: bool) -> None:
 
 def _complete_springs(w: Work) -> None:
     links, o = w.links, w.o
-    links.kn = np.where(np.isnan(links.kn), o.kn * w.stiffness, links.kn)
+    own = np.where(links.j < 0, o.number("wall_kn") if o.given("wall_kn") else o.kn, o.kn)
+    links.kn = np.where(np.isnan(links.kn), own * w.stiffness, links.kn)
     bad = np.flatnonzero(~(links.kn > 0))
     if len(bad):
         raise bad_file(f"{w.path}: a contact of grain {w.id[links.i[bad[0]]]} has the stiffness {links.kn[bad[0]]:g}; "
@@ -152,7 +158,7 @@ def _compare(w: Work, at_walls: bool, wall: str) -> _Comparison:
     links = w.links
     mean = running_sum(np.where(np.isnan(links.fn), 0, links.fn / max(1, len(links))))
     overlap = known_overlap(links)
-    known = ~np.isnan(overlap) & (np.abs(overlap) > 1000 * w.place)
+    known = ~np.isnan(overlap) & (np.abs(overlap) > (10 if at_walls and w.balanced else 1000) * w.place)
     taken = ((links.j < 0) == at_walls) & (links.fn > 0.01 * mean) & known
     if not taken.any():
         return _Comparison()
@@ -191,6 +197,9 @@ def _fail_digits(w: Work, mean: float) -> None:
 def _choose_wall(w: Work) -> None:
     """The kind of wall that forces and overlaps fit, if both are known and none is given."""
     c, links = _compare(w, True, w.wall), w.links
+    if w.o.given("wall_modulus"):
+        _soften(w)
+        return
     if w.o.given("wall"):
         if c.count > 0 and not c.fits():
             forced = (links.j < 0) & (links.fn > 0)
@@ -201,8 +210,14 @@ def _choose_wall(w: Work) -> None:
             w.wall = kind
             w.note(f"walls: {kind}, by their forces and overlaps")
             return
+    if c.count > 0 and w.balanced:  # not as exact as forces of a file
+        c, kind = min(((_compare(w, True, kind), kind) for kind in WALLS), key=lambda found: abs(found[0].median - 1))
+        if abs(c.median - 1) < 0.1:
+            w.wall = kind
+            w.note(f"walls: {kind}; their forces are {c.low:.4g} .. {c.high:.4g} times Hertz's at the overlaps")
+            return
     c = _compare(w, True, "elastic")
-    if c.count > 0 and c.spread > 0.02:
+    if c.count > 0 and c.spread > 0.02 and not w.balanced:
         raise refused(f"{w.path}: normal forces of walls are {c.low:.4g} .. {c.high:.4g} times Hertz's at the "
                       "overlaps; must be one number: --set bottom=PLACE and top=PLACE correct the overlaps, --set "
                       "wall=KIND takes them from the forces")
@@ -210,6 +225,19 @@ def _choose_wall(w: Work) -> None:
         _keep_stiffness(w, c.median)
     elif w.cell != "periodic":
         w.note(f"walls: {w.wall} (--set wall=rigid|grain|elastic chooses)")
+
+
+def _soften(w: Work) -> None:
+    """Walls of a modulus of their own: 1/E12 = 1/E* of the grains + 1/E* of the walls."""
+    links, times = w.links, w.o.number("wall_modulus") * (1.0 if w.material is None else 1 / modulus(w.material))
+    here = links.j < 0
+    e = times / (1 + times) * wall_stiffness(w.r[links.i[here]], "rigid")
+    force, overlap = links.fn[here], np.fmax(known_overlap(links)[here], 0)
+    overlap = np.where(force > 0, hertz_overlap(e, np.where(force > 0, force, 0)), overlap)
+    links.overlap[here], links.fn[here] = overlap, np.where(force > 0, force, hertz_force(e, overlap))
+    links.kn[here] = 2 * e * np.sqrt(overlap)
+    links.kt[here] = links.kn[here] * eta(w.poisson)
+    w.note(f"walls: a modulus E* of {times:.6g} times that of the grains")
 
 
 def _keep_stiffness(w: Work, factor: float) -> None:

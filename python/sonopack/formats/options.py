@@ -13,7 +13,8 @@ from .sheet import Sheet, number
 
 NAN = math.nan
 SIDES = ("bottom", "top", "left", "right", "front", "back")
-CELLS = ("piston", "periodic", "box")
+RINGS = ("inner", "outer")  # what bottom and top are of a ring
+CELLS = ("piston", "periodic", "box", "ring")
 WALLS = ("rigid", "grain", "elastic")
 
 _ANY, _POSITIVE = (-math.inf, math.inf), (0.0, math.inf)
@@ -21,10 +22,11 @@ _ANY, _POSITIVE = (-math.inf, math.inf), (0.0, math.inf)
 _KEYS: dict[str, tuple[Any, ...]] = {
     "dimension": ("2", "3"), "up": ("x", "y", "z"), "cell": CELLS, "sides": ("open", "periodic"), "across": ("drop",),
     "width": _POSITIVE, "depth": _POSITIVE, "bottom": _ANY, "top": _ANY, "height": _POSITIVE,
+    **{key: _POSITIVE for key in (*RINGS, "wall_kn", "wall_modulus")}, **{key: _ANY for key in ("x0", "y0", "z0")},
     **{key: _ANY for key in ("left", "right", "front", "back", "xy", "xz", "yz", "gravity")}, "pressure": _POSITIVE,
     "friction": (0.0, 1e6), "poisson": (0.0, 0.5), "wall": WALLS, "digits": ("exact",), "first_id": ()}
 #: those that the head of a file may say
-SAID = ("dimension", "cell", "width", "depth", "height", *SIDES, "xy", "xz", "yz", "gravity", "friction", "poisson",
+SAID = ("dimension", "cell", "width", "depth", "height", *SIDES, *RINGS, "x0", "y0", "z0", "xy", "xz", "yz", "gravity", "friction", "poisson",
         "wall", "pressure")
 
 
@@ -99,7 +101,7 @@ _OF_GRAINS = {
     "id": "id ID Id c_sp_wall[3]", "type": "type matId species info mol element", "x": "x xu xs xsu X",
     "y": "y yu ys ysu Y", "z": "z zu zs zsu Z", "radius": "radius r R rad Radius", "diameter": "diameter d D",
     "mass": "mass m masses", "inertia": "inertia", "density": "density", "boundary": "boundary",
-    **{side: "" for side in SIDES}}
+    **{side: "" for side in (*SIDES, *RINGS)}}
 _OF_CONTACTS = {
     "id1": "id1 i patom1 c_sp_id[1] c_sp_gran[1]", "id2": "id2 j patom2 c_sp_id[2] c_sp_gran[2]",
     "overlap": "overlap penetrationDepth c_sp_gran[13]", "fn": "fn Fn force c_sp_contact[2]", "ft": "ft Ft",
@@ -166,7 +168,7 @@ class Roles:
     def check(self, grains: Sheet, contacts: Sheet | None) -> None:
         """Refuses roles of the option that no sheet has."""
         for role, (name, _) in self.named.items():
-            if role not in self.used and role not in SIDES:
+            if role not in self.used and role not in (*SIDES, *RINGS):
                 sheet = contacts if contacts is not None and role in _OF_CONTACTS else grains
                 raise bad_option(f"--columns {role}={name}: {sheet.file} has no such column; its columns are: "
                                  f"{sheet.listed()}")

@@ -263,6 +263,16 @@ def _contacts(c: _Rows, dim: int, cell: str, ends: tuple[Integers, Integers]) ->
     return out
 
 
+def _check_near(c: _Rows, links: np.ndarray, x: Floats, r: Floats, box: list[float]) -> None:  # type: ignore[type-arg]
+    """Refuses grains that touch a wall whose normal is along an axis, from farther away than a radius."""
+    for k in np.flatnonzero(links["j"] < 0):
+        i, j, axis = links["i"][k], links["j"][k], int(np.abs(links["n"][k]).argmax())
+        gap = (box[axis] - x[i, axis] if j % 2 == 0 else x[i, axis]) - r[i]
+        if abs(links["n"][k, axis]) > 1 - 1e-7 and gap > r[i]:
+            c.fail(int(k), f"grain {i} is {gap:.3g} d from the {SIDES[-1 - j]} wall that it touches: must be less than a radius; "
+                           "are width and height right, or is this wall elsewhere?")
+
+
 def read(grains: str, contacts: str, given: Mapping[str, Any]) -> Packing:
     """given: keys in place of those in the comment lines."""
     g, c = _Rows(grains), _Rows(contacts)
@@ -274,6 +284,8 @@ def read(grains: str, contacts: str, given: Mapping[str, Any]) -> Packing:
     box, tilt = keys.box(dim), [keys.number(key, 0.0) for key in _TILT]
     place, x, r, masses = _grains(g, dim, sides)
     links = _contacts(c, dim, cell, (_ends(c, "i", place, sides), _ends(c, "j", place, sides)))
+    if cell != "ring":
+        _check_near(c, links, x, r, box)
     material = keys.word("material")[0]
     try:
         p = Packing.from_arrays(_wrapped(x, box, tilt, cell), r, links, box=box, pressure=keys.number("pressure"),

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from .._core import Floats, Integers
 from .._packing import CONTACT
 from .._records import Material
-from .options import NAN, Column, Options, Roles
+from .options import NAN, RINGS, SIDES, Column, Options, Roles
 from .sheet import Mask, Sheet
 
 
@@ -118,6 +118,7 @@ class Report:
     left_out: int = 0  #: grains of other types
     across: int = 0  #: contacts left out, across a periodic edge on the axis up
     balance: float = NAN  #: largest net force on a force-carrying grain over the mean contact force
+    elsewhere: float = NAN  #: the same of grains that touch no wall
     hertz: float = NAN  #: median of Fn over Hertz's law at the overlap; NaN: one follows from the other
     hertz_spread: float = NAN  #: largest deviation of that ratio from its median
     overlap_error: float = NAN  #: error of overlaps from the digits in the file, over the mean overlap
@@ -129,7 +130,8 @@ class Report:
         within = abs(self.hertz - 1) + self.hertz * self.hertz_spread
         hertz = f"; normal forces follow Hertz's law within {within:.1e}" if math.isfinite(self.hertz) else ""
         first = (f"{path}: {self.form}, {self.grains} grains, {self.contacts} contacts, {self.wall_contacts} of them "
-                 f"with walls; largest net force {self.balance:.2g} of the mean{hertz}")
+                 f"with walls; largest net force {self.balance:.2g} of the mean"
+                 + (f" at walls, {self.elsewhere:.2g} elsewhere" if self.balance > 10 * self.elsewhere else "") + hertz)
         many = self.left_out > 1
         text = f"{self.left_out} grain{'s' * many} of other types {'are' if many else 'is'} left out"
         return [first, *([text] if self.left_out else []), *self.notes[:16]]
@@ -161,6 +163,8 @@ class Work:
         self.gravity, self.scale, self.force, self.stiffness = 0.0, 1.0, 1.0, 1.0
         self.place, self.force_place, self.mass_place = 0.0, NAN, 0.0
         self.has_forces = self.has_ft = False
+        self.pointed = False  # whether points of contact tell where walls are
+        self.balanced = False  # whether forces of walls are from the balance of the grains
         self.wall, self.friction, self.poisson = "rigid", NAN, NAN
 
     @property
@@ -222,6 +226,11 @@ class Work:
             return False
         return wall >= -2 or (self.cell == "box" and self.axis_of(wall) < self.up)
 
+    @property
+    def sides(self) -> list[int]:
+        """Those walls of SIDES that the cell has."""
+        return [side for side in range(2 * self.dim) if self.has_side(-1 - side)]
+
     def size_key(self, axis: int) -> str:
         """The key of the edge along an axis."""
         return "height" if axis == self.up else "width" if axis == 0 else "depth"
@@ -246,7 +255,7 @@ class Work:
         apart = length(d)
         links.n[pairs] = np.where(apart[:, None] > 0, d / apart[:, None], 0)
         links.depth[pairs] = self.r[links.i[pairs]] + self.r[links.j[pairs]] - apart
-        for side in range(6):
+        for side in range(6 if self.cell != "ring" else 0):
             here = links.j == -1 - side
             if not here.any():
                 continue
@@ -255,6 +264,41 @@ class Work:
             links.n[here, axis] = 1 if far else -1
             place = self.x[i, axis]
             links.depth[here] = self.r[i] - (self.edge[axis] - place if far else place) if self.has_wall[side] else NAN
+
+        if self.cell == "ring":
+            walls = ~pairs
+            out, level = self.ring_of(self.x[links.i[walls]])
+            far = links.j[walls] == -2
+            links.n[walls] = np.where(far, 1, -1)[:, None] * out
+            known = np.where(far, self.has_wall[1], self.has_wall[0])
+            links.depth[walls] = np.where(known, self.r[links.i[walls]] - np.where(far, self.edge[1] - level, level), NAN)
+
+    def ring_of(self, x: Floats) -> tuple[Floats, Floats]:
+        """Outward unit vectors at points of a ring, and the distances of the points from its inner wall."""
+        outer = 0.5 * self.edge[0]
+        d = x - outer
+        d[:, 2] = 0
+        radius = length(d)
+        return d / radius[:, None], radius - (outer - self.edge[1])
+
+    def wall_gap(self, links: Links) -> Floats:
+        """Distances of the centres of grains i from walls j."""
+        if self.cell == "ring":
+            level = self.ring_of(self.x[links.i])[1]
+            return np.where(links.j == -2, self.edge[1] - level, level)
+        axis = np.array([self.axis_of(j) for j in links.j.tolist()], dtype=np.int64)
+        place: Floats = self.x[links.i, axis]
+        return np.where(links.j % 2 == 0, np.array(self.edge)[axis] - place, place)
+
+    def volume(self) -> float:
+        """Of the cell."""
+        if self.cell == "ring":
+            return math.pi * self.edge[0] * self.edge[1] * (1 - self.edge[1] / self.edge[0])
+        return math.prod(self.edge[:self.dim])
+
+    def side_name(self, wall: int) -> str:
+        """The name of a wall."""
+        return (RINGS if self.cell == "ring" else SIDES)[-1 - wall]
 
     def goes_across(self, links: Links) -> Mask:
         """Whether contacts lead through the face at which the box is cut."""

@@ -89,6 +89,9 @@ def _inside(packing: Packing, margin: float) -> npt.NDArray[np.bool_]:
     c = packing.contacts
     point = packing.x[c["i"]] + c["n"] * (packing.r[c["i"]] - 0.5 * c["overlap"])[:, None]
     inside: npt.NDArray[np.bool_] = c["j"] >= 0
+    if packing.cell == "ring":  # the distance from the inner wall in place of y
+        outer = 0.5 * packing.box[0]
+        point[:, 1] = np.hypot(*(point[:, :2] - outer).T) - (outer - packing.box[1])
     for axis in _bounded(packing):
         inside = inside & (point[:, axis] >= margin) & (point[:, axis] <= packing.box[axis] - margin)
     return inside
@@ -96,7 +99,7 @@ def _inside(packing: Packing, margin: float) -> npt.NDArray[np.bool_]:
 
 def _bounded(packing: Packing) -> list[int]:
     """Axes with walls, the last first."""
-    walls: dict[str, list[int]] = {"piston": [packing.dim - 1], "periodic": [],
+    walls: dict[str, list[int]] = {"piston": [packing.dim - 1], "periodic": [], "ring": [1],
                                    "box": list(range(packing.dim - 1, -1, -1))}
     return walls[packing.cell]
 

@@ -14,7 +14,7 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerPatch
-from matplotlib.patches import FancyArrow, Polygon, Rectangle
+from matplotlib.patches import Annulus, FancyArrow, Polygon, Rectangle
 from matplotlib.quiver import Quiver
 
 from .._core import Floats, Integers
@@ -43,11 +43,12 @@ class View:
         self.packing, self.across, self.rise, self.shift, self.points = packing, across, rise, shift, 1.0
         self.solid = packing.dim == 3
         self.above = self.solid and rise == 1  # seen from above
-        self.periodic = across >= 0 and packing.cell != "box"  # to the right
+        self.ring = packing.cell == "ring"
+        self.periodic = across >= 0 and packing.cell in ("piston", "periodic")  # to the right
         self.tiled = packing.cell == "periodic" or (self.above and packing.cell == "piston")  # upwards, too
         self.boxed = across >= 0 and packing.cell == "box"  # walls at the sides
         self.width = packing.box[across] if across >= 0 else 2.2 * float(packing.r.max())
-        self.height = packing.box[rise]
+        self.height = packing.box[0 if self.ring else rise]
         #: how far the top of a tilted cell lies to the right
         self.slant = packing.tilt[across + rise - 1] if 0 <= across < rise else 0.0
         self.left = min(0.0, self.slant) - (0.5 * self.width if across < 0 else 0.0)
@@ -59,7 +60,7 @@ class View:
     def open(self) -> View:
         """Limits and walls."""
         wall = THICK / self.points
-        beside, below = wall * self.boxed, wall * (not self.tiled)
+        beside, below = wall * (self.boxed or self.ring), wall * (not self.tiled)
         right = self.left + self.span
         self.ax.set(aspect="equal", xlim=(self.left - beside, right + beside), ylim=(-below, self.height + below),
                     xticks=[], yticks=[])
@@ -67,8 +68,11 @@ class View:
         ends, wide = (-wall, self.height) if below else (), self.span + 2 * beside
         boxes = [(self.left - beside, low, wide, wall) for low in ends]
         boxes += [(low, -wall, wall, self.height + 2 * wall) for low in (self.left - wall, right)] if beside else []
-        for x, y, width, height in boxes:
+        for x, y, width, height in () if self.ring else boxes:
             self.ax.add_patch(Rectangle((x, y), width, height, fc=WALL, lw=0, zorder=4))
+        outer = 0.5 * self.width
+        for radius in (outer + wall, outer - self.packing.box[1]) if self.ring else ():
+            self.ax.add_patch(Annulus((outer, outer), radius, wall, fc=WALL, lw=0, zorder=4))
         self._edges(right)
         if self.solid:
             self.ax.set_xlabel(rf"${'xyz'[self.across]}\,\rightarrow$", loc="left", labelpad=1, fontsize=6.5)
@@ -186,7 +190,7 @@ class View:
 
     def _inside(self, start: Floats, delta: Floats) -> Floats:
         clear = 1 / self.points
-        for axis, walls, end in ((1, not self.tiled, self.height), (0, self.boxed, self.left + self.span)):
+        for axis, walls, end in ((1, not (self.tiled or self.ring), self.height), (0, self.boxed, self.left + self.span)):
             low, high = np.minimum(start, start + delta)[:, axis], np.maximum(start, start + delta)[:, axis]
             over = np.where(low < clear, clear - low, np.minimum(0, end - clear - high))
             with np.errstate(invalid="ignore", divide="ignore"):

@@ -2,6 +2,6 @@
 transfer() compares two traces, against() fits a computed signal."""
 from .arrivals import Arrival, arrivals, line
 from .read import Trace, read
-from .transfer import Ratio, against, transfer
+from .transfer import Ratio, Response, against, transfer
 
-__all__ = ["Arrival", "Ratio", "Trace", "against", "arrivals", "line", "read", "transfer"]
+__all__ = ["Arrival", "Ratio", "Response", "Trace", "against", "arrivals", "line", "read", "transfer"]

@@ -17,8 +17,8 @@ from .._core import Floats
 from .._records import Material
 from .._table import Table, material_of
 from .arrivals import WAYS, arrivals, line
-from .read import MICROSECONDS, OWN_TIME, Form, Trace, read
-from .transfer import against, transfer
+from .read import KINDS, MICROSECONDS, OWN_TIME, Form, Trace, read
+from .transfer import Response, against, transfer
 
 _ABOUT = (
     "Reads traces (text of oscilloscopes with any delimiter and decimals, WAV, SAC, miniSEED, our tables) and prints for each "
@@ -41,6 +41,7 @@ def parser() -> Parser:
     own._negative_number_matcher = re.compile(r"-[0-9.]")  # --window -5:20 has a value, not one more option
     own.add_argument("files", metavar="FILE", nargs="+", help="traces")
     form = own.add_argument_group("Reading")
+    form.add_argument("--from", dest="kind", choices=KINDS, default="", help="kind of the files (by their content)")
     form.add_argument("--columns", metavar="t=NAME,F=NAME,...", default="",
                       help="columns of text files, by name or number; F=-NAME turns the sign (all columns)")
     form.add_argument("--time-unit", choices=(*MICROSECONDS, "own"), default="", help="unit of times in text files")
@@ -58,6 +59,8 @@ def parser() -> Parser:
     more.add_argument("--transfer", metavar="A:B", help="print the transfer function from trace A to B, speeds and Q")
     more.add_argument("--band", metavar="LOW:HIGH", help="frequencies of --transfer (all that stand out of the noise)")
     more.add_argument("--against", metavar="SIGNAL", help="fit a computed signal to the first front; print both")
+    more.add_argument("--response", metavar="F0:Q|FILE", help="--against: transducers with this resonance, or with the measured pulse "
+                                                              "of FILE, such as their signal face to face")
     more.add_argument("--free-trigger", action="store_true", help="--against: fit the time of the pulse too")
     return own
 
@@ -89,6 +92,7 @@ def _check(arguments: argparse.Namespace) -> None:
                  arguments.units == "si",
              "--transfer and --against: must be one of them": arguments.transfer and arguments.against,
              "--free-trigger: needs --against": arguments.free_trigger and not arguments.against,
+             "--response: needs --against": arguments.response and not arguments.against,
              "--band: needs --transfer": arguments.band and not arguments.transfer}
     for text, is_wrong in wrong.items():
         if is_wrong:
@@ -100,7 +104,7 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _form(arguments: argparse.Namespace) -> Form:
-    form, values = Form(arguments.time_unit, arguments.step), []
+    form, values = Form(arguments.time_unit, arguments.step, kind=arguments.kind), []
     for pair in arguments.columns.split(",") if arguments.columns else ():
         key, _, name = str(pair).partition("=")
         if key not in ("t", "F") or not name:
@@ -279,10 +283,13 @@ def _against(arguments: argparse.Namespace, traces: Sequence[Trace]) -> Table:
     if len(traces) != 1 or len(signals) != 1:
         raise usage(f"--against: {len(traces)} traces and {len(signals)} signals, must be one of each: --columns F=NAME")
     own = Table.read(arguments.against).metadata
-    fit = against(traces[0], signals[0], arguments.free_trigger, arguments.window is not None)
+    response = _response(arguments, _is_own(traces)) if arguments.response else None
+    fit = against(traces[0], signals[0], arguments.free_trigger, arguments.window is not None, response)
     unit = traces[0].t_unit
     said = {"scale": f"{fit.scale:.10g} {unit} for {signals[0].t_unit}, error {fit.scale_err:.3g}",
             "amplitude": f"{fit.amplitude:.8g}", "misfit": f"{fit.rms:.4g} times the noise"}
+    if response:
+        said["response"] = arguments.response
     if arguments.free_trigger:
         said["pulse_at"] = f"{fit.start:.8g} {unit}, error {fit.start_err:.3g}"
     material = arguments.material or (material_of(own["material"]) if "material" in own else None)
@@ -290,6 +297,24 @@ def _against(arguments: argparse.Namespace, traces: Sequence[Trace]) -> Table:
         said |= _constants(material, fit.scale, fit.scale_err, own.get("pressure", ""))
     return Table.from_columns({"t": fit.t, "F1": fit.f, "F2": fit.model},
                               {"t": unit, "F1": traces[0].f_unit, "F2": traces[0].f_unit}, said)
+
+
+def _response(arguments: argparse.Namespace, own: bool) -> Response:
+    """Of a frequency and a Q, or of the one trace of a file."""
+    text = arguments.response
+    if re.fullmatch(r"[0-9.]+([eE][+-]?[0-9]+)?[A-Za-z]*:.*", text) and not os.path.exists(text):
+        frequency, _, q = text.partition(":")
+        f0 = _amount("--response", frequency, _KHZ, own) * (1.0 if own else 1e-3)
+        if not f0 > 0:
+            raise usage(f"--response {text:.60}: the frequency must be above 0")
+        try:
+            return Response((f0, number(0.5, 1e4)(q)))
+        except argparse.ArgumentTypeError as fault:
+            raise usage(f"--response {text:.60}: Q {fault}") from None
+    pulses = read(text)
+    if len(pulses) != 1 or (pulses[0].t_unit != "us") != own:
+        raise usage(f"--response {text:.60}: must be one pulse, with times as those of the trace")
+    return Response(pulses[0])
 
 
 def _constants(material: Material, scale: float, error: float, pressure: str) -> dict[str, str]:

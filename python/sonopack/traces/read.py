@@ -23,11 +23,16 @@ from .._table import Table
 MICROSECONDS = {"s": 1e6, "ms": 1e3, "us": 1.0, "ns": 1e-3}
 OWN_TIME = "d/sqrt(E* / rho)"
 _VOLTS = {"mV": ("V", 1e-3), "uV": ("V", 1e-6)}
+KINDS = ("text", "wav", "sac", "miniseed", "table")
 LEAST = 32  # samples of a trace
+_SAC_VERSIONS = (b"\6\0\0\0", b"\0\0\0\6")  # at byte 304, in either order
+_SAC_TEXT = rb"([ 0-9.+Ee-]{60,80}\r?\n){14}([ 0-9-]{46,60}\r?\n){8}"
 _HEAD = 400  # lines in which the form of a text shows
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?|[+-]?(nan|inf|infinity|∞)", re.I)
 _UNITS = {"second": "s", "seconds": "s", "sec": "s", "volt": "V", "volts": "V", "amp": "A", "µs": "us", "μs": "us",
           **{unit: unit for unit in ("s", "ms", "us", "ns", "V", "mV", "uV", "A", "N", "Pa", "g")}}
+
+_INFINIIUM = {"xinc": "increment", "xorg": "start", "xunits": "horizontal units"}
 
 
 @dataclasses.dataclass
@@ -55,33 +60,48 @@ class Trace:
 
 @dataclasses.dataclass
 class Form:
-    """What the user says of text files: the unit of times, the interval of samples in it, columns by name or number
-    (values: a minus turns the sign)."""
+    """What the user says of files: their kind ("": found out); of text files the unit of times, the interval of samples in it,
+    columns by name or number (values: a minus turns the sign)."""
 
     time_unit: str = ""
     step: float = 0.0
     time: str = ""
     values: Sequence[str] = ()
+    kind: str = ""
 
 
 def read(path: str, form: Form = Form()) -> list[Trace]:
     """The traces of a file, one a channel. Times of instruments are in us."""
     data = pathlib.Path(path).read_bytes()
-    if data[:4] in (b"RIFF", b"RIFX"):
-        found = _wav(path)
-    elif data[304:308] in (b"\6\0\0\0", b"\0\0\0\6"):
-        found = [_sac(path, data)]
-    elif re.match(rb"\d{6}[DRQM][ \0]", data):
-        found = _miniseed(path)
-    elif b"\0" in data[:4096]:
-        raise Failed(f"{path}: is a binary file, must be WAV, SAC, miniSEED, or text")
+    kind = form.kind or _kind(path, data)
+    if kind == "text":
+        found = _text(path, _decoded(data), form)
+    elif kind == "sac":
+        found = [_sac(path, data) if data[304:308] in _SAC_VERSIONS else _sac_text(path, _decoded(data))]
     else:
-        try:
-            text = data.decode("utf-8-sig")
-        except UnicodeDecodeError:
-            text = data.decode("latin-1")  # the micro sign of Windows
-        found = _own(path) if re.search(r"^# units:", text, re.M) else _text(path, text, form)
+        found = {"wav": _wav, "miniseed": _miniseed, "table": _own}[kind](path)
     return [_check(trace) for trace in found]
+
+
+def _decoded(data: bytes) -> str:
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")  # the micro sign of Windows
+
+
+def _kind(path: str, data: bytes) -> str:
+    """One of KINDS, by the content."""
+    if data[:4] in (b"RIFF", b"RIFX"):
+        return "wav"
+    if data[304:308] in _SAC_VERSIONS or re.match(_SAC_TEXT, data):
+        return "sac"
+    if re.match(rb"\d{6}[DRQM][ \0]", data):
+        return "miniseed"
+    if b"\0" in data[:4096]:
+        raise Failed(f"{path}: is a binary file, must be WAV, SAC, miniSEED, or text" + (
+            ": `sonopack signal` computes the trace of a packing" if data.startswith(b"\x89HDF") else ""))
+    return "table" if re.search(rb"^# units:", data, re.M) else "text"
 
 
 def _check(trace: Trace) -> Trace:
@@ -178,6 +198,8 @@ def _layout(path: str, lines: Sequence[str]) -> _Layout:
         body = {cell for row in rows[start:] for j, cell in enumerate(row) if j in starts}
         if delimiter == "," and any(re.fullmatch(r"[+-]?0\d+", cell) for cell in body):
             raise Failed(f"{path}: commas stand between columns and, it seems, in numbers: must be one of them")
+        if len(columns) == 1:  # below a header of words and values
+            rows[:start] = [_cells(row[0], ";" if ";" in row[0] else ",") for row in rows[:start]]
         return _Layout(delimiter, decimal, start, columns, rows)
     raise Failed(f"{path}: no columns of numbers up to line {len(lines[:_HEAD])}: must be rows of numbers, behind any header")
 
@@ -201,6 +223,8 @@ def _title(texts: Sequence[str]) -> tuple[str, str]:
     for text in texts:
         found = re.search(r"[(\[]\s*([^)\]]+?)\s*[)\]]", text)
         word = _UNITS.get(found[1] if found else text) or _UNITS.get((found[1] if found else text).lower(), "")
+        if found and not word and unit:
+            return found[1], unit  # "X(CH1)" above "Volt"
         unit = unit or word or (found[1] if found else "")
         name = re.sub(r"\s*[(\[].*", "", text)
         if name and not (word and not found):
@@ -213,7 +237,10 @@ def _header(head: Sequence[Sequence[str]], start: int) -> dict[str, str]:
     said: dict[str, str] = {}
     for k, row in enumerate(head):
         if len(row) > 1 and row[0] and not _is_number(row[0], "."):
-            said.setdefault(row[0].strip(":# ").lower(), row[1])
+            key = row[0].strip(":# ").lower()
+            said.setdefault(key, row[1])
+            if key in _INFINIIUM:
+                said[_INFINIIUM[key]] = row[1]
         for j, cell in enumerate(row if k < start else ()):
             if cell.lower() in ("start", "increment") and k + 1 < len(head) and j < len(head[k + 1]):
                 said[cell.lower()] = head[k + 1][j]
@@ -222,12 +249,18 @@ def _header(head: Sequence[Sequence[str]], start: int) -> dict[str, str]:
     return said
 
 
+def _vertical_units(head: Sequence[Sequence[str]]) -> list[str]:
+    """Of each channel, where a header has them in a row."""
+    cells = next((row[1:] for row in head if row[0].strip(":# ").lower() in ("vertical units", "yunits")), [])
+    return [_UNITS.get(cell, "") or _UNITS.get(cell.split(":")[-1].lower(), "") for cell in cells]
+
+
 def _text(path: str, text: str, form: Form) -> list[Trace]:
     lines = text.rstrip().splitlines()
     if len(lines) < LEAST:
         raise Failed(f"{path}: {len(lines)} lines, must be {LEAST} or more")
     layout = _layout(path, lines)
-    above = [row for row in layout.head[:layout.start] if any(row)][-2:]
+    above = [row for row in layout.head[:layout.start] if any(row) and not row[0].endswith(":")][-2:]
     titles = [_title([row[j].lstrip("# ") for row in reversed(above) if j < len(row)]) for j in layout.columns]
     said = _header(layout.head, layout.start)
     if lines[0].startswith("LECROY"):
@@ -236,9 +269,10 @@ def _text(path: str, text: str, form: Form) -> list[Trace]:
             raise Failed(f"{path}: {segments} segments, must be 1: export them one by one")
         said["horizontal units"] = "s"
     values = _numbers(path, lines, layout)
-    for row, (name, unit) in enumerate(titles):
-        if not name and row == len(titles) - 1:
-            titles[row] = (said.get("source", ""), unit or _UNITS.get(said.get("vertical units", ""), ""))
+    if not titles[-1][0]:
+        titles[-1] = (said.get("source", ""), titles[-1][1])
+    for unit, row in zip(_vertical_units(layout.head), range(min(len(titles) - 1, 1), len(titles))):
+        titles[row] = (titles[row][0], titles[row][1] or unit)
     return _columns(path, titles, values, said, form)
 
 
@@ -262,7 +296,10 @@ def _columns(path: str, titles: list[tuple[str, str]], values: Floats, said: dic
     else:
         raise Failed(f"{path}: has no column of times, and no interval: say --step, or --columns t=NAME")
     names = [name if names.count(name) == 1 else f"c{j + 1}" for j, name in enumerate(names)]
-    rest = [j for j in range(len(names)) if j != at and not np.all(np.diff(values[j]) == 1)]  # without counters of rows
+    with np.errstate(invalid="ignore"):  # of inf; without counters of rows, the times once more, and idle channels
+        rest = [j for j in range(len(names)) if j != at and not np.all(np.diff(values[j]) == 1)
+                and not (at is not None and np.array_equal(values[j], values[at]))]
+        rest = [j for j in rest if not np.all(np.diff(values[j]) == 0)] or rest
     wanted = [(_find(path, names, name.lstrip("-")), name) for name in form.values] or [(j, names[j]) for j in rest]
     if not wanted:
         raise Failed(f"{path}: has a column of times and no other")
@@ -291,8 +328,8 @@ def _time_column(path: str, names: Sequence[str], values: Floats, said: dict[str
     if form.time:
         return _find(path, names, form.time)
     called = [j for j, name in enumerate(names) if re.match(r"(t|x|time|zeit|temps|tiempo|tempo|x-axis)\b", name.lower())]
-    rising = [j for j, column in enumerate(values) if np.all(np.diff(column) >= 0) and column[-1] > column[0]
-              and np.abs(column - np.linspace(column[0], column[-1], len(column))).max() * (len(column) - 1)
+    rising = [j for j, column in enumerate(values) if np.all(column[1:] >= column[:-1])
+              and -math.inf < column[0] < column[-1] < math.inf and np.abs(column - np.linspace(column[0], column[-1], len(column))).max() * (len(column) - 1)
               < 0.6 * (column[-1] - column[0])]
     if called:
         return called[0]
@@ -312,8 +349,9 @@ def _own(path: str) -> list[Trace]:
     t, note = even(table["t"].astype(float), path)
     found = []
     for name in (name for name in table.names if name != "t" and table[name].dtype.kind == "f"):
-        to = re.match(r"from bottom\S* to plane:([0-9.eE+-]+)", table.metadata.get(name, ""))
-        top = table.metadata.get("height", "") if len(table.names) == 2 else ""
+        said = table.metadata.get(name, "")
+        to = re.match(r"from bottom\S* to plane:([0-9.eE+-]+)", said)
+        top = table.metadata.get("height", "") if len(table.names) == 2 or re.match(r"from bottom\S* to top", said) else ""
         distance = float(to[1]) if to else _float(top.split(" ")[0]) or math.nan
         found.append(Trace(path, name, t * MICROSECONDS.get(unit, 1.0), table[name].astype(float),
                            "us" if unit in MICROSECONDS else unit, table.units[name], distance, [note] if note else []))
@@ -338,21 +376,38 @@ def _wav(path: str) -> list[Trace]:
 
 
 def _sac(path: str, data: bytes) -> Trace:
-    """A time series at equal intervals: 70 numbers, 40 integers and 192 letters, then the values."""
+    """70 numbers, 40 integers and 192 letters, then the values."""
     order = "<" if data[304] else ">"
     header = struct.unpack(order + "70f40i", data[:440].ljust(440, b"\0"))
-    numbers, integers, points = header[:70], header[70:], header[79]
-    if len(data) < 632 + 4 * points or points < 1:
-        raise Failed(f"{path}: {points} values in {len(data)} bytes: the file is cut off")
-    if integers[15] != 1 or integers[35] != 1 or not numbers[0] > 0:
+    values = np.frombuffer(data, order + "f4", max(len(data) - 632, 0) // 4, min(632, len(data)))
+    return _sac_series(path, header, data[440:632].decode("ascii", "replace"), values)
+
+
+def _sac_text(path: str, text: str) -> Trace:
+    """The same in lines: 14 of 5 numbers, 8 of 5 integers, 8 of 24 letters, then the values."""
+    lines = text.splitlines()
+    try:
+        header = [read(word) for read, part in ((float, lines[:14]), (int, lines[14:22])) for line in part for word in line.split()]
+        values = np.array([float(word) for line in lines[30:] for word in line.split()])
+    except ValueError as fault:
+        raise Failed(f"{path}: is no text of SAC: {fault}") from None
+    if len(header) != 110:
+        raise Failed(f"{path}: is no SAC: {len(header)} numbers in the header of 22 lines, must be 110")
+    return _sac_series(path, header, "".join(f"{line:24.24}" for line in lines[22:30]), values)
+
+
+def _sac_series(path: str, header: Sequence[float], letters: str, values: Floats) -> Trace:
+    """A time series at equal intervals."""
+    points, step, begin = int(header[79]), header[0], header[5]
+    if len(values) < points or points < 1:
+        raise Failed(f"{path}: {points} values, of which {len(values)} are there: the file is cut off")
+    if header[85] != 1 or header[105] != 1 or not step > 0:
         raise Failed(f"{path}: must be a time series of SAC with equal intervals")
-    letters = data[440:632].decode("ascii", "replace")
     unit, time_unit, writer, component = (letters[k:k + 8].strip("\0 ") for k in (136, 144, 152, 160))
     own = writer == "sonopack" and time_unit == "tau"
-    t = (numbers[5] if numbers[5] != -12345 else 0.0) + numbers[0] * np.arange(points)
+    t = (begin if begin != -12345 else 0.0) + step * np.arange(points)
     return Trace(path, component if component not in ("", "-12345") else "c1", t * (1.0 if own else 1e6),
-                 np.frombuffer(data, order + "f4", points, 632).astype(float), OWN_TIME if own else "us",
-                 unit if writer == "sonopack" else "")
+                 values[:points].astype(float), OWN_TIME if own else "us", unit if writer == "sonopack" else "")
 
 
 def _miniseed(path: str) -> list[Trace]:

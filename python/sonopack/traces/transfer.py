@@ -142,38 +142,83 @@ class Match:
     model: Floats
 
 
-def against(trace: Trace, signal: Trace, free: bool = False, whole: bool = False) -> Match:
+class Response:
+    """What transducers make of a signal: a resonance (frequency, Q) that passes slow signals as they are, or a measured pulse,
+    such as their signal face to face."""
+
+    def __init__(self, shape: tuple[float, float] | Trace) -> None:
+        if isinstance(shape, Trace):
+            from scipy.interpolate import CubicSpline
+            f = _parts(shape)[0]
+            self.pulse, self.ends = CubicSpline(shape.t, f), (float(shape.t[0]), float(shape.t[-1]))
+            self.delay = float(np.sum(shape.t * f**2) / np.sum(f**2))
+        else:
+            self.pulse, self.omega, self.q = None, 2 * np.pi * shape[0], shape[1]
+            self.ends, self.delay = (0.0, 0.0), 1 / (self.omega * self.q)
+
+    def late(self, step: float) -> int:
+        """How many samples behind a time matter, since the pulse has times before its trigger."""
+        return max(0, math.ceil(-self.ends[0] / step))
+
+    def apply(self, f: Floats, step: float) -> Floats:
+        """The response to values at equal intervals, 0 before. Of a resonance exact for straight lines between them."""
+        import scipy.signal
+        if self.pulse is None:
+            terms = ([self.omega**2], [1, self.omega / self.q, self.omega**2])
+            above, below, _ = scipy.signal.cont2discrete(terms, step, "foh")
+            exact: Floats = scipy.signal.lfilter(above.ravel(), below, f)
+            return exact
+        first = math.ceil(self.ends[0] / step)
+        pulse = self.pulse(step * np.arange(first, math.floor(self.ends[1] / step) + 1))
+        whole = scipy.signal.fftconvolve(np.pad(f, (max(first, 0), max(-first, 0))), pulse) * step
+        found: Floats = whole[max(-first, 0):][:len(f)]
+        return found
+
+
+def against(trace: Trace, signal: Trace, free: bool = False, whole: bool = False, response: Response | None = None) -> Match:
     """Fits a computed signal to a trace up to its first peak and half a time of rise more, or the whole trace. free: the zero of
-    time is fitted too."""
+    time is fitted too. response: of the transducers, to the signal."""
     import scipy.optimize
     from scipy.interpolate import CubicSpline
     f, peak, noise = _parts(trace)
     place, own = find(trace.f), find(signal.f)
     end = len(f) if whole else min(len(f), int(peak + 0.5 * (peak - place[1])) + 1)
-    t, spline = trace.t[:end], CubicSpline(signal.t, signal.f)
+    t, spline, delay = trace.t[:end], CubicSpline(signal.t, signal.f), response.delay if response else 0.0
     if free:
         scale = trace.step * (place[2] - place[0]) / (signal.step * (own[2] - own[0]))
     else:
-        scale = (trace.t[0] + trace.step * peak) / (signal.t[0] + signal.step * own[2])
-    start = trace.t[0] + trace.step * peak - scale * (signal.t[0] + signal.step * own[2])
+        scale = (trace.t[0] + trace.step * peak - delay) / (signal.t[0] + signal.step * own[2])
+    start = trace.t[0] + trace.step * peak - delay - scale * (signal.t[0] + signal.step * own[2])
     if not scale > 0:
-        raise Failed(f"{trace.name}: the first peak is before the zero of time: --trigger or --free-trigger")
+        late = f", less the delay of the response, {delay:.3g}," if response else ""
+        raise Failed(f"{trace.name}: the first peak{late} is before the zero of time: --trigger or --free-trigger")
 
-    def shape(values: Floats) -> Floats:
-        x = (t - values[1]) / math.exp(values[0])
+    def stretched(times: Floats, values: Floats) -> Floats:
+        x = (times - values[1]) / math.exp(values[0])
         shaped: Floats = np.where((x >= signal.t[0]) & (x <= signal.t[-1]), spline(np.clip(x, signal.t[0], signal.t[-1])), 0.0)
         return shaped
 
+    def shape(values: Floats) -> Floats:
+        if not response:
+            return stretched(t, values)
+        before = math.ceil(max(0.0, (t[0] - values[1]) / trace.step)) + 1
+        grid = t[0] + trace.step * np.arange(-before, end + response.late(trace.step))
+        return response.apply(stretched(grid, values), trace.step)[before:before + end]
+
+    def off(values: Floats, data: Floats) -> Floats:
+        s = shape(np.append(values, 0.0) if not free else values * np.array([1.0, scale]))
+        left: Floats = data - s * (s @ data / (s @ s + 1e-300))
+        return left
+
     def fit(data: Floats, begin: Floats) -> Floats:
-        def off(values: Floats) -> Floats:
-            s = shape(np.append(values, 0.0) if not free else values * np.array([1.0, scale]))
-            left: Floats = data - s * (s @ data / (s @ s + 1e-300))
-            return left
-        least = scipy.optimize.least_squares(off, begin, x_scale=0.01)
+        least = scipy.optimize.least_squares(off, begin, x_scale=0.01, args=(data,))
         found: Floats = least.x
         return found
 
     begin = np.array([math.log(scale), start / scale][:1 + free])
+    if response:  # which moves the first peak in a way that is not known yet
+        tries = [fit(f[:end], begin + [shift, 0.0][:1 + free]) for shift in (-0.3, -0.1, 0.0, 0.1, 0.3)]
+        begin = min(tries, key=lambda values: float(np.sum(off(values, f[:end]) ** 2)))
     best = fit(f[:end], begin)
     drawn = np.array([fit(f[:end] + each[:end], best) for each in noise[:24]])
     model = shape(np.append(best, 0.0) if not free else best * np.array([1.0, scale]))

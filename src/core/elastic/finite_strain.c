@@ -5,6 +5,7 @@
 #include "elastic/strain.h"
 #include "linalg/krylov.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 #include "packing/vibrate.h"
 
 #include <math.h>
@@ -476,7 +477,9 @@ sp_status sp_moduli_finite_strain(const sp_packing *p, const sp_network *net, do
                        net->n_all, p->n);
     strain_run r = {.p = p, .net = net, .strain = -opt->strain};
     sp_stiffness c = {0};
-    sp_status status = open_run(&r, err);
+    sp_status status = sp_cell_need_flat(net->cell, "an imposed strain", err);
+    if (status == SP_OK)
+        status = open_run(&r, err);
     r.m.straight = !opt->turning;
     if (status == SP_OK)
         status = strain_all(&r, &c, err);

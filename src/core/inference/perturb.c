@@ -49,9 +49,10 @@ static double between(const sp_packing *p, int32_t i, int32_t j, double d[3]) {
         sp_packing_separation(p, i, j, d);
         return length3(d);
     }
-    d[0] = d[1] = d[2] = 0;
     const double distance = sp_packing_wall_distance(p, i, j);
-    d[sp_packing_wall_axis(p, j)] = sp_packing_wall_side(j) * distance;
+    sp_packing_wall_normal(p, i, j, d);
+    for (int a = 0; a < 3; a++)
+        d[a] *= distance;
     return distance;
 }
 
@@ -191,7 +192,7 @@ static sp_contact at_positions(const sp_packing *q, int32_t i, int32_t j) {
     const double length = between(q, i, j, d);
     c.overlap = reach(q, i, j) - length;
     if (j < 0)
-        c.n[sp_packing_wall_axis(q, j)] = sp_packing_wall_side(j);
+        sp_packing_wall_normal(q, i, j, c.n);
     else
         for (int a = 0; a < 3; a++)
             c.n[a] = length > 0 ? d[a] / length : 0;

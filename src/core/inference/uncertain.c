@@ -76,12 +76,21 @@ static double error_of_sd(const moments *m) {
     return m->variance > 0 ? 0.5 * sqrt(spread / m->n / m->variance) : 0;
 }
 
+/* What rounding and the tolerances of solvers may do to a quantity: to moduli, by the largest of them. */
+static double rounding_of(const sp_uncertainty *u, const sp_uncertain *v) {
+    double scale = fabs(v->value);
+    for (int32_t k = 0; k < u->n && v->name[0] == 'C'; k++)
+        if (u->quantity[k].name[0] == 'C')
+            scale = fmax(scale, fabs(u->quantity[k].value));
+    return 1e-9 * scale;
+}
+
 static void judge(const sp_uncertainty *u, sp_uncertain *v) {
-    const double off = fabs(v->sd - v->first_order), shift = fabs(v->bias - v->shift);
+    const double off = fabs(v->sd - v->first_order), shift = fabs(v->bias - v->shift), rounding = rounding_of(u, v);
     if (!isfinite(v->first_order) || !isfinite(v->sd))
         return;
-    const bool spread = off > 3 * v->sd_error && off > 0.05 * v->first_order;
-    const bool moved = shift > 3 * v->bias_error && shift > 0.5 * v->first_order;
+    const bool spread = off > 3 * v->sd_error && off > fmax(0.05 * v->first_order, rounding);
+    const bool moved = shift > 3 * v->bias_error && shift > fmax(0.5 * v->first_order, rounding);
     v->linear = spread || moved || 100 * u->loose > u->samples ? SP_LINEAR_NO : SP_LINEAR_YES;
 }
 
@@ -162,6 +171,10 @@ sp_uncertainty sp_uncertainty_none(void) { return (sp_uncertainty){0}; }
 
 void sp_uncertainty_free(sp_uncertainty *u) {
     sp_free(u->quantity);
+    sp_free(u->grain);
+    sp_free(u->pair);
+    sp_free(u->by_grain);
+    sp_free(u->by_contact);
     *u = sp_uncertainty_none();
 }
 
@@ -180,6 +193,8 @@ static sp_status check_options(const sp_uncertainty_options *o, sp_error *err) {
         return sp_fail_key(err, SP_EINVAL, "margin", " = %g: must be 0 or more", o->margin);
     if (o->samples == 0 && !o->first_order)
         return sp_fail_key(err, SP_EINVAL, "samples", " = 0: without first order there must be samples");
+    if (o->parts && !o->first_order)
+        return sp_fail_key(err, SP_EINVAL, "parts", ": must be with first order, which knows them");
     const sp_status status = sp_errors_check(&o->errors, err);
     if (status == SP_OK && !has_errors(&o->errors))
         return sp_fail(err, SP_EINVAL, "no error of the packing is given: position, radius, force, ... are all 0");

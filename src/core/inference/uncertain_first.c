@@ -19,6 +19,7 @@ typedef struct first_order {
     sp_network net;
     double density;
     double *density_slope; /* [n of the packing][4] derivatives of the density by the radius and the centre */
+    sp_uncertainty *out;
 } first_order;
 
 static const unsigned PARAMETERS = SP_BY_KN | SP_BY_KT | SP_BY_RADIUS | SP_BY_POSITION;
@@ -56,39 +57,74 @@ static void add_curvatures(const first_order *f, const sp_packing *measured, con
 
 /* ---- one quantity ----------------------------------------------------------------------------------------------- */
 
-/* Squares of the standard deviations by kind. density_part: dQ/d(density), for speeds; else 0. */
+/* Adds the squares of the standard deviations by position and radius, and gives each grain its part. density_part:
+ * dQ/d(density), for speeds; else 0. */
+static void add_grains(const first_order *f, const sp_gradient *g, double density_part, const double *by_radius,
+                       double v[SP_ERROR_KINDS], double *part) {
+    const sp_errors *e = f->errors;
+    for (int32_t i = 0; i < f->net.n; i++) {
+        const double *slope = f->density_slope + 4 * (size_t)f->net.grain[i];
+        const double radius = by_radius[i] + density_part * slope[0], grown = radius * radius * e->radius * e->radius;
+        double moved = 0;
+        for (int a = 0; a < f->net.dim; a++) {
+            const double x = g->position.d[3 * (size_t)i + (size_t)a] + density_part * slope[1 + a];
+            const double square = x * x * e->position * e->position;
+            v[SP_ERROR_POSITION] += square;
+            moved += square;
+        }
+        v[SP_ERROR_RADIUS] += grown;
+        if (part)
+            part[i] = grown + moved;
+    }
+}
+
+/* The same of the springs. Returns the derivative by the logarithm of all stiffnesses. */
+static double add_springs(const first_order *f, const sp_packing *measured, const sp_gradient *g,
+                          double v[SP_ERROR_KINDS], double *part) {
+    const sp_errors *e = f->errors;
+    double whole = 0;
+    for (int32_t k = 0; k < f->net.n_springs; k++) {
+        const double slope = by_log_stiffness(&f->net, g, k), square = slope * slope;
+        const bool follows = follows_force(f, measured, f->net.springs[k].contact);
+        const double force = follows ? square / 9 * e->force * e->force : 0;
+        const double stiffness = square * e->stiffness * e->stiffness;
+        const double absent = square * e->false_part * (1 - e->false_part);
+        v[SP_ERROR_FORCE] += force;
+        v[SP_ERROR_STIFFNESS] += stiffness;
+        v[SP_ERROR_FALSE] += absent;
+        whole += slope;
+        if (part)
+            part[k] = force + stiffness + absent;
+    }
+    return whole;
+}
+
+static void divide(double *part, int32_t n, double sum) {
+    for (int32_t k = 0; part && k < n; k++)
+        part[k] = sum > 0 ? part[k] / sum : NAN;
+}
+
 static void variances(const first_order *f, const sp_packing *measured, const sp_gradient *g, double density_part,
                       double *by_radius, sp_uncertain *out) {
-    const sp_errors *e = f->errors;
     const sp_network *net = &f->net;
-    double v[SP_ERROR_KINDS] = {0}, sum = 0, whole = 0;
+    const size_t q = (size_t)(out - f->out->quantity);
+    double *grains = f->out->by_grain ? f->out->by_grain + q * (size_t)net->n : NULL;
+    double *springs = f->out->by_contact ? f->out->by_contact + q * (size_t)net->n_springs : NULL;
+    double v[SP_ERROR_KINDS] = {0}, sum = 0;
     for (int32_t i = 0; i < net->n; i++)
         by_radius[i] = g->radius.d[i];
     add_curvatures(f, measured, g, by_radius);
-    for (int32_t i = 0; i < net->n; i++) {
-        const double *slope = f->density_slope + 4 * (size_t)net->grain[i];
-        const double radius = by_radius[i] + density_part * slope[0];
-        v[SP_ERROR_RADIUS] += radius * radius * e->radius * e->radius;
-        for (int a = 0; a < net->dim; a++) {
-            const double x = g->position.d[3 * (size_t)i + (size_t)a] + density_part * slope[1 + a];
-            v[SP_ERROR_POSITION] += x * x * e->position * e->position;
-        }
-    }
-    for (int32_t k = 0; k < net->n_springs; k++) {
-        const double slope = by_log_stiffness(net, g, k);
-        if (follows_force(f, measured, net->springs[k].contact))
-            v[SP_ERROR_FORCE] += slope * slope / 9 * e->force * e->force;
-        v[SP_ERROR_STIFFNESS] += slope * slope * e->stiffness * e->stiffness;
-        v[SP_ERROR_FALSE] += slope * slope * e->false_part * (1 - e->false_part);
-        whole += slope;
-    }
-    v[SP_ERROR_CALIBRATION] = whole * whole * e->calibration * e->calibration;
-    out->shift = -e->false_part * whole;
+    add_grains(f, g, density_part, by_radius, v, grains);
+    const double whole = add_springs(f, measured, g, v, springs);
+    v[SP_ERROR_CALIBRATION] = whole * whole * f->errors->calibration * f->errors->calibration;
+    out->shift = -f->errors->false_part * whole;
     for (int k = 0; k < SP_ERROR_KINDS; k++)
         sum += v[k];
     out->first_order = sqrt(sum);
     for (int k = 0; k < SP_ERROR_KINDS; k++)
         out->share[k] = sum > 0 ? v[k] / sum : NAN;
+    divide(grains, net->n, sum);
+    divide(springs, net->n_springs, sum);
 }
 
 /* Where the derivatives of a quantity are the gradient g times `scale`. */
@@ -224,17 +260,44 @@ static sp_status prepare(first_order *f, const sp_packing *p, sp_error *err) {
     return status == SP_OK ? sp_network_make(p, &o->network, &f->net, err) : status;
 }
 
-/* A missing contact has no stiffness from which to differentiate, and prestress adds forces that are held here. */
-static bool differentiable(const sp_errors *e, const sp_uncertainty_options *o) {
-    return e->missing == 0 && !o->network.prestress;
+/* Who has parts; all of them NAN until they are known. */
+static sp_status list_parts(const sp_network *net, sp_uncertainty *out, sp_error *err) {
+    const size_t grains = (size_t)net->n, springs = (size_t)net->n_springs, n = (size_t)out->n;
+    out->grain = sp_alloc(grains, sizeof *out->grain);
+    out->pair = sp_alloc(2 * springs, sizeof *out->pair);
+    out->by_grain = sp_alloc(n * grains, sizeof *out->by_grain);
+    out->by_contact = sp_alloc(n * springs, sizeof *out->by_contact);
+    if (!out->grain || !out->pair || !out->by_grain || !out->by_contact)
+        return sp_fail_memory(err, (n * (grains + springs)) * sizeof *out->by_grain);
+    out->grains = net->n;
+    out->springs = net->n_springs;
+    memcpy(out->grain, net->grain, grains * sizeof *out->grain);
+    for (size_t k = 0; k < springs; k++) {
+        const sp_spring *s = &net->springs[k];
+        out->pair[2 * k] = net->grain[s->i];
+        out->pair[2 * k + 1] = s->j < 0 ? s->j : net->grain[s->j];
+    }
+    for (size_t k = 0; k < n * grains; k++)
+        out->by_grain[k] = NAN;
+    for (size_t k = 0; k < n * springs; k++)
+        out->by_contact[k] = NAN;
+    return SP_OK;
+}
+
+/* A missing contact has no stiffness from which to differentiate, prestress adds forces that are held here, and a
+ * normal of a ring turns with the place of its grain. */
+static bool differentiable(const sp_errors *e, const sp_uncertainty_options *o, const sp_packing *p) {
+    return e->missing == 0 && !o->network.prestress && p->cell != SP_CELL_RING;
 }
 
 sp_status sp_uncertain_first_order(const sp_quantities *q, const sp_drawing *d, const sp_packing *p,
                                    sp_uncertainty *out, sp_error *err) {
-    first_order f = {.q = q, .errors = d->errors};
-    if (!differentiable(d->errors, q->opt))
+    first_order f = {.q = q, .errors = d->errors, .out = out};
+    if (!differentiable(d->errors, q->opt, p))
         return SP_OK;
     sp_status status = prepare(&f, p, err);
+    if (status == SP_OK && q->opt->parts)
+        status = list_parts(&f.net, out, err);
     if (status == SP_OK) {
         density_slopes(&f, p);
         if (q->fronts > 0)

@@ -4,6 +4,7 @@
 #include "base/vector.h"
 #include "network/bound.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <sonopack/network.h>
@@ -119,8 +120,10 @@ static sp_status make_carried(const sp_packing *p, sp_network *net, sp_error *er
     return SP_OK;
 }
 
-/* The forces at rest of a network without any. */
+/* The forces at rest of a network without any. The normal of a ring would turn with a grain that moves along it. */
 static sp_status make_forces(const sp_packing *p, sp_network *net, sp_error *err) {
+    if (p->cell == SP_CELL_RING)
+        return sp_cell_need_flat(p->cell, "prestress", err);
     for (int32_t k = 0; k < net->n_bulk && net->dim > 1; k++) {
         net->springs[k].kp = -p->contacts[net->springs[k].contact].fn / net->length[k];
         net->prestress = true;

@@ -1,6 +1,7 @@
 /* Access to a network, its cell with lattice vectors and images, and its release. */
 #include "base/base.h"
 #include "network/network_cell.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <sonopack/network.h>
@@ -88,6 +89,6 @@ void sp_network_reciprocal(const sp_network *net, int axis, double b[3]) {
 
 sp_status sp_network_need_walls(const sp_network *net, const char *what, sp_error *err) {
     if (net->cell != SP_CELL_PERIODIC)
-        return SP_OK;
+        return sp_cell_need_flat(net->cell, what, err);
     return sp_fail(err, SP_EREFUSED, "the cell is periodic and has no walls, which %s needs", what);
 }

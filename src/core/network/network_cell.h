@@ -15,7 +15,7 @@ void sp_network_image(const sp_network *net, int32_t spring, int32_t periods[3])
 /* Reciprocal lattice vector b of an axis: its product with that lattice vector is 1, with the others 0. A wave with the
  * wave vector 2 pi n b fits into the cell. */
 void sp_network_reciprocal(const sp_network *net, int axis, double b[3]);
-/* SP_EREFUSED in a cell without walls. `what` needs them. */
+/* SP_EREFUSED in a cell without flat walls. `what` needs them. */
 sp_status sp_network_need_walls(const sp_network *net, const char *what, sp_error *err);
 
 #endif

@@ -4,8 +4,8 @@
 
 #include <sonopack/network.h>
 
-/* SP_EREFUSED if the normal of a spring at a wall is not vertical. `what` needs level walls, because the axes of the
- * box describe it: turned as a whole, a packing would give something else. */
+/* SP_EREFUSED if the walls are rings, or the normal of a spring at one is not vertical. `what` needs level walls,
+ * because the axes of the box describe it: turned as a whole, a packing would give something else. */
 sp_status sp_network_need_level_walls(const sp_network *net, const char *what, sp_error *err);
 
 /* Whether a contact crosses the plane at a height: 1 upwards from i, -1 downwards, 0 not. The centre of i is at y, that
@@ -21,5 +21,8 @@ int sp_place_crossing(const sp_network *net, double height, double y, double ris
  * masses. A place that acts on grains, and not through springs, has none. The place must be one that these functions
  * accept. */
 void sp_place_gaps(const sp_network *net, const sp_place *at, bool source, double *gap);
+
+/* Whether a centre is in a disc (SP_PLACE_DISC). */
+bool sp_place_in_disc(const sp_network *net, const sp_place *at, const double x[3]);
 
 #endif

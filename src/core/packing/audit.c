@@ -11,6 +11,13 @@
 #include <stdio.h>
 #include <string.h>
 
+static void wall_vector(const sp_packing *p, const sp_contact *c, double d[3]) {
+    const double distance = sp_packing_wall_distance(p, c->i, c->j);
+    sp_packing_wall_normal(p, c->i, c->j, d);
+    for (int a = 0; a < 3; a++)
+        d[a] *= distance;
+}
+
 /* Overlap from the positions, and the largest deviation of the stored normal from theirs. */
 static double true_overlap(const sp_packing *p, const sp_contact *c, double *turn) {
     double d[3] = {0, 0, 0}, r2 = 0;
@@ -18,7 +25,7 @@ static double true_overlap(const sp_packing *p, const sp_contact *c, double *tur
     if (c->j >= 0)
         sp_packing_separation(p, c->i, c->j, d);
     else
-        d[sp_packing_wall_axis(p, c->j)] = sp_packing_wall_side(c->j) * sp_packing_wall_distance(p, c->i, c->j);
+        wall_vector(p, c, d);
     for (int a = 0; a < 3; a++)
         r2 += d[a] * d[a];
     for (int a = 0; a < 3 && r2 > 0; a++)
@@ -88,7 +95,7 @@ static double wall_residual(const sp_packing *p, const sums *s) {
     if (p->cell == SP_CELL_PISTON)
         return fmax(fabs(s->wall[1] / load - 1), fabs((s->wall[0] - grains) / load - 1));
     double worst = fabs(s->trace / (p->dim * p->pressure * sp_packing_volume(p)) - 1);
-    for (int a = 0; a < 3 && p->cell == SP_CELL_BOX; a++)
+    for (int a = 0; a < 3 && p->cell >= SP_CELL_BOX; a++)
         worst = fmax(worst, fabs(s->push[a] - (a == p->dim - 1 ? grains : 0)) / load);
     return worst;
 }

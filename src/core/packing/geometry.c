@@ -9,7 +9,7 @@
 
 const char *const sp_wall_names[] = {"rigid", "grain", "elastic", NULL};
 const char *const sp_side_names[] = {"bottom", "top", "left", "right", "front", "back", NULL};
-const char *const sp_cell_names[] = {"piston", "periodic", "box", NULL};
+const char *const sp_cell_names[] = {"piston", "periodic", "box", "ring", NULL};
 
 bool sp_wall_read(const char *word, sp_wall *out) {
     for (int k = 0; sp_wall_names[k]; k++)
@@ -23,13 +23,22 @@ bool sp_wall_read(const char *word, sp_wall *out) {
 double sp_packing_height(const sp_packing *p) { return p->box[p->dim - 1]; }
 
 double sp_packing_wall_area(const sp_packing *p) {
-    double area = 1.0;
+    double area = p->cell == SP_CELL_RING ? M_PI : 1.0;
     for (int k = 0; k < p->dim - 1; k++)
         area *= p->box[k];
     return area;
 }
 
-double sp_packing_volume(const sp_packing *p) { return sp_packing_wall_area(p) * sp_packing_height(p); }
+double sp_packing_volume(const sp_packing *p) {
+    const double volume = sp_packing_wall_area(p) * sp_packing_height(p);
+    return p->cell == SP_CELL_RING ? volume * (1 - p->box[1] / p->box[0]) : volume;
+}
+
+sp_status sp_cell_need_flat(sp_cell cell, const char *what, sp_error *err) {
+    if (cell != SP_CELL_RING)
+        return SP_OK;
+    return sp_fail(err, SP_EREFUSED, "the walls are rings: %s needs flat walls or a periodic cell", what);
+}
 
 bool sp_packing_periodic(const sp_packing *p, int axis) {
     return p->cell == SP_CELL_PERIODIC || (p->cell == SP_CELL_PISTON && axis < p->dim - 1);
@@ -95,10 +104,26 @@ void sp_packing_wrap(const sp_packing *p, double x[3]) {
     }
 }
 
+double sp_ring_level(const double box[3], const double x[3]) {
+    return hypot(x[0] - 0.5 * box[0], x[1] - 0.5 * box[0]) - (0.5 * box[0] - box[1]);
+}
+
 double sp_packing_wall_distance(const sp_packing *p, int32_t i, int32_t wall) {
     const int axis = sp_packing_wall_axis(p, wall);
-    const double x = p->x[3 * (size_t)i + (size_t)axis];
-    return sp_packing_wall_side(wall) < 0 ? x : p->box[axis] - x;
+    const double *x = p->x + 3 * (size_t)i, at = p->cell == SP_CELL_RING ? sp_ring_level(p->box, x) : x[axis];
+    return sp_packing_wall_side(wall) < 0 ? at : p->box[axis] - at;
+}
+
+void sp_packing_wall_normal(const sp_packing *p, int32_t i, int32_t wall, double n[3]) {
+    const double side = sp_packing_wall_side(wall), *x = p->x + 3 * (size_t)i;
+    n[0] = n[1] = n[2] = 0;
+    if (p->cell != SP_CELL_RING) {
+        n[sp_packing_wall_axis(p, wall)] = side;
+        return;
+    }
+    const double from = hypot(x[0] - 0.5 * p->box[0], x[1] - 0.5 * p->box[0]);
+    for (int a = 0; a < 2; a++)
+        n[a] = side * (x[a] - 0.5 * p->box[0]) / from;
 }
 
 void sp_packing_separation(const sp_packing *p, int32_t i, int32_t j, double d[3]) {

@@ -8,6 +8,12 @@
 void sp_packing_separation(const sp_packing *p, int32_t i, int32_t j, double d[3]);
 /* Distance from the centre of grain i to a wall of the packing. */
 double sp_packing_wall_distance(const sp_packing *p, int32_t i, int32_t wall);
+/* Unit vector from the centre of grain i to the nearest point of a wall. */
+void sp_packing_wall_normal(const sp_packing *p, int32_t i, int32_t wall, double n[3]);
+/* Distance of a point from the inner wall of a ring. */
+double sp_ring_level(const double box[3], const double x[3]);
+/* SP_EREFUSED where the walls are rings. `what` needs flat ones, or none. */
+SP_SHARED sp_status sp_cell_need_flat(sp_cell cell, const char *what, sp_error *err);
 /* Coordinates of a point in multiples of the lattice vectors: 0 .. 1 within the cell. */
 SP_SHARED void sp_packing_fractions(const sp_packing *p, const double x[3], double s[3]);
 /* Replaces the lattice vectors of a periodic cell by shorter ones of the same lattice: tilts within half of the edges

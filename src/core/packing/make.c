@@ -37,6 +37,8 @@ static sp_status check_start(const sp_pack_spec *spec, const sp_packing *from, s
         return status;
     if (spec->kind == SP_PACK_MINIMUM)
         return check_smooth(spec, from, err);
+    if (sp_cell_need_flat(from->cell, "packing.file", err) != SP_OK)
+        return SP_EINVAL;
     if (from->dim == 1)
         return sp_fail(err, SP_EINVAL,
                        "packing.file: a chain (dimension 1): must have 2 or 3 dimensions; for a chain under another "

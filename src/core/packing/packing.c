@@ -86,8 +86,14 @@ sp_status sp_packing_need_law(const sp_packing *p, const char *what, sp_error *e
 /* Two grains may touch only once, so a periodic cell is wider than a grain and its two neighbours' halves. */
 static sp_status check_cell(const sp_packing *p, sp_error *err) {
     static const int along[3] = {0, 0, 1}, of[3] = {1, 2, 2};
-    if (p->cell < SP_CELL_PISTON || p->cell > SP_CELL_BOX)
-        return sp_fail(err, SP_EFORMAT, "cell %d: must be 0 (piston), 1 (periodic) or 2 (box)", (int)p->cell);
+    if (p->cell < SP_CELL_PISTON || p->cell > SP_CELL_RING)
+        return sp_fail(err, SP_EFORMAT, "cell %d: must be 0 (piston), 1 (periodic), 2 (box) or 3 (ring)", (int)p->cell);
+    if (p->cell == SP_CELL_RING && !(p->dim == 2 && p->box[1] < 0.5 * p->box[0] && p->gravity == 0))
+        return sp_fail(
+            err, SP_EFORMAT,
+            "ring: dimension %d, %g between walls of which the outer has the diameter %g, gravity %g: must be "
+            "2, less than half of the diameter, and 0",
+            p->dim, p->box[1], p->box[0], p->gravity);
     for (int k = 0; k < 3; k++) {
         const bool tilted = p->cell == SP_CELL_PERIODIC && of[k] < p->dim;
         if (!(fabs(p->tilt[k]) <= (tilted ? 0.5 * p->box[along[k]] * (1 + 1e-12) : 0)))
@@ -138,7 +144,11 @@ static sp_status check_grains(const sp_packing *p, sp_error *err) {
         double s[3] = {0, 0, 0};
         if (p->cell == SP_CELL_PERIODIC)
             sp_packing_fractions(p, p->x + 3 * (int64_t)i, s);
-        for (int k = 0; k < p->dim; k++) {
+        const double level = p->cell == SP_CELL_RING ? sp_ring_level(p->box, p->x + 3 * (int64_t)i) : 0;
+        if (!(level >= 0 && level <= p->box[p->dim - 1]))
+            return sp_fail(err, SP_EFORMAT, "grain %d: %.17g from the inner ring, must be 0 .. %.17g", i, level,
+                           p->box[1]);
+        for (int k = 0; k < p->dim && p->cell != SP_CELL_RING; k++) {
             const double x = p->x[3 * (int64_t)i + k];
             if (p->cell != SP_CELL_PERIODIC && !(x >= 0 && x <= p->box[k]))
                 return sp_fail(err, SP_EFORMAT, "grain %d: coordinate %d is %.17g, outside the box 0..%.17g", i, k, x,

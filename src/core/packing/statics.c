@@ -5,6 +5,7 @@
 #include "base/vector.h"
 #include "numeric/quadrature.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 #include <sonopack/packing.h>
@@ -159,6 +160,9 @@ double sp_packing_density_of(const sp_packing *p, const uint8_t *rattler, double
 }
 
 sp_status sp_packing_density(const sp_packing *p, double threshold, double margin, double *out, sp_error *err) {
+    sp_status flat = sp_cell_need_flat(p->cell, "the density of the bulk", err);
+    if (flat != SP_OK)
+        return flat;
     uint8_t *rattler = sp_alloc((size_t)p->n, 1);
     sp_status status =
         rattler ? sp_packing_rattlers(p, threshold, rattler, NULL, NULL, err) : sp_fail_memory(err, (size_t)p->n);
@@ -279,6 +283,9 @@ static double mobilised(const sp_packing *p, const uint8_t *carrying) {
 }
 
 sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err) {
+    sp_status flat = sp_cell_need_flat(p->cell, "statics of the bulk", err);
+    if (flat != SP_OK)
+        return flat;
     const bulk b = sp_bulk_of(p, margin);
     sp_statics s = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     uint8_t *rattler = sp_alloc((size_t)p->n, 1), *carrying = sp_alloc((size_t)p->n_contacts, 1);

@@ -98,15 +98,10 @@ contact_rule sp_types_rule(const sp_pack_spec *spec, int s, int t) {
     const double e1 = of_type(all->modulus, all->moduli, s, 1), e2 = of_type(all->modulus, all->moduli, other, 1);
     const double nu1 = of_type(all->poisson, all->poissons, s, spec->poisson),
                  nu2 = of_type(all->poisson, all->poissons, other, spec->poisson);
-    contact_rule r = {.stiffness = 1, .eta = contact_eta(spec->poisson), .friction = friction_of(spec, s, other)};
-    if (e1 != e2) /* 2 E12 of grains with E* = 1/2 each */
-        r.stiffness = 2 / (1 / e1 + 1 / e2);
-    else
-        r.stiffness = e1;
-    if (e1 == e2 && nu1 == nu2)
-        r.eta = contact_eta(nu1);
-    else /* k_t/k_n = 4 G12/E12, G = E* (1 - nu)/2 */
-        r.eta = 2 / ((2 - nu1) / (e1 * (1 - nu1)) + (2 - nu2) / (e2 * (1 - nu2))) * (1 / e1 + 1 / e2);
+    const double g = 2 / ((2 - nu1) / (e1 * (1 - nu1)) + (2 - nu2) / (e2 * (1 - nu2))); /* 4 G12, G = E* (1 - nu)/2 */
+    contact_rule r = {.stiffness = e1 == e2 ? e1 : 2 / (1 / e1 + 1 / e2),               /* 2 E12 */
+                      .eta = e1 == e2 && nu1 == nu2 ? contact_eta(nu1) : g * (1 / e1 + 1 / e2),
+                      .friction = friction_of(spec, s, other)};
     if (!(r.friction > 0))
         r.eta = 0;
     r.sqrt_eta = sqrt(r.eta);

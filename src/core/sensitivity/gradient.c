@@ -7,6 +7,7 @@
 #include "network/contacts.h"
 #include "network/network_cell.h"
 #include "packing/contact.h"
+#include "packing/geometry.h"
 #include "sensitivity/products.h"
 
 #include <float.h>
@@ -265,6 +266,8 @@ sp_status sp_gradient_check(const sp_network *net, unsigned parameters, const sp
         return sp_fail(err, SP_EINVAL, "parameters %u, must be a sum of 1 .. %u", parameters, (unsigned)SP_BY_PRESSURE);
     if ((parameters & GEOMETRY) && !packing)
         return sp_fail(err, SP_EINVAL, "radii, positions and the pressure need the packing of the network");
+    if ((parameters & GEOMETRY) && net->cell == SP_CELL_RING)
+        return sp_cell_need_flat(net->cell, "a derivative by radii, positions or the pressure", err);
     return sp_network_need_symmetry(net, "a sensitivity", err);
 }
 

@@ -119,9 +119,9 @@ sp_status sp_coherent_section_make(const sp_network *net, const sp_coherent_sect
     sp_place *place = NULL;
     sp_front front = {0};
     int32_t planes = 0;
-    sp_status status = check(opt, height, &planes, err);
+    sp_status status = sp_network_need_walls(net, "a wave that leaves a wall", err);
     if (status == SP_OK)
-        status = sp_network_need_walls(net, "a wave that leaves a wall", err);
+        status = check(opt, height, &planes, err);
     if (status == SP_OK)
         status = find_front(net, opt, height, &front, err);
     if (status == SP_OK)

@@ -23,6 +23,7 @@ static double sign_of(const sp_packing *p, const sp_network *net, const sp_place
     switch (at->kind) {
     case SP_PLACE_WALL: return t->j == SP_TOP ? -1 : 0;
     case SP_PLACE_PART: return t->j == SP_TOP && y >= at->from && y < at->to ? -1 : 0;
+    case SP_PLACE_DISC: return t->j == SP_TOP && sp_place_in_disc(net, at, p->x + 3 * (int64_t)t->i) ? -1 : 0;
     case SP_PLACE_GRAIN:
         if (wall)
             return t->j == SP_TOP && t->i == at->grain ? -1 : 0;

@@ -3,6 +3,7 @@
 #include "base/vector.h"
 #include "linalg/arrays.h"
 #include "network/network_cell.h"
+#include "packing/geometry.h"
 #include "spectrum/moments.h"
 
 #include <float.h>
@@ -269,6 +270,8 @@ sp_status sp_dispersion_make(const sp_network *net, const sp_dispersion_options 
     sp_dispersion d = sp_dispersion_none();
     scratch x = {0};
     sp_status status = check(net, opt, err);
+    if (status == SP_OK)
+        status = sp_cell_need_flat(net->cell, "a dispersion relation", err);
     if (status == SP_OK)
         status = sp_network_need_symmetry(net, "a dispersion relation", err);
     if (status != SP_OK)

@@ -1,6 +1,7 @@
 /* Density and flux of energy in a network. */
 #include "base/base.h"
 #include "network/network_cell.h"
+#include "packing/geometry.h"
 #include "transport/across.h"
 
 #include <math.h>
@@ -94,7 +95,9 @@ static int crossings(const sp_network *net, int32_t k, double plane) {
 
 sp_status sp_transport_flux(const sp_network *net, const double *u, const double *v, int32_t planes,
                             const double *height, sp_flux *out, sp_error *err) {
-    const sp_status status = sp_network_need_symmetry(net, "a flux of energy", err);
+    sp_status status = sp_network_need_symmetry(net, "a flux of energy", err);
+    if (status == SP_OK)
+        status = sp_cell_need_flat(net->cell, "a flux of energy", err);
     if (status != SP_OK)
         return status;
     memset(out, 0, (size_t)planes * sizeof *out);

@@ -3,6 +3,7 @@
 #include "network/network_cell.h"
 #include "numeric/random.h"
 #include "numeric/statistics.h"
+#include "packing/geometry.h"
 #include "transport/packet.h"
 
 #include <math.h>
@@ -277,6 +278,8 @@ sp_status sp_spread_make(const sp_network *net, double omega, const sp_spread_op
     sp_spread long_wave, short_wave;
     sp_spread_options half = *opt;
     sp_status status = check(net, omega, opt, err);
+    if (status == SP_OK)
+        status = sp_cell_need_flat(net->cell, "a wave of the density of energy", err);
     half.waves *= 2;
     if (status == SP_OK)
         status = spread_once(net, omega, opt, &long_wave, err);

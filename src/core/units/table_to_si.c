@@ -10,6 +10,7 @@
 #define TIME  "d/sqrt(E* / rho)"
 #define RATE  "sqrt(E* / rho)/d"
 #define SPEED "sqrt(E* / rho)"
+#define DISC  "<!d>:<!d>:<!d>:*"
 
 /* What comments of tables have a dimension. <UNIT> is a number in this unit of ours, with all digits in SI; <~UNIT>
  * gets 6 digits, as what the program prints to readers has; <!UNIT> is written without a blank before its unit, since
@@ -45,6 +46,12 @@ static const char *const forms[] = {
     "dimension = *, friction = *, width = <d>",
     "complete = <" RATE ">:<" RATE ">",
     "*: no motion grows faster than exp(<~" RATE "> t)",
+    "F* = from disc:" DISC " to disc:" DISC ", error <=F F1>",
+    "F* = from disc:" DISC " to plane:<!d>:*, error <=F F1>",
+    "F* = from disc:" DISC " to part:<!d>:<!d>:*, error <=F F1>",
+    "F* = from disc:" DISC " to *, error <=F F1>",
+    "F* = from part:<!d>:<!d>:* to disc:" DISC ", error <=F F1>",
+    "F* = from * to disc:" DISC ", error <=F F1>",
     "F* = from part:<!d>:<!d>:* to part:<!d>:<!d>:*, error <=F F1>",
     "F* = from part:<!d>:<!d>:* to plane:<!d>:*, error <=F F1>",
     "F* = from part:<!d>:<!d>:* to *, error <=F F1>",

@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <sonopack/study/store.h>
+#include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -32,7 +33,9 @@ sp_status sp_is_hdf5(const char *path, bool *yes, sp_error *err) {
     }
     if (fd >= 0)
         close(fd);
-    return code ? sp_fail(err, SP_EIO, "cannot read %s: %s", path, strerror(code)) : SP_OK;
+    return code ? sp_fail(err, SP_EIO, "cannot read %s: %s%s", path, strerror(code),
+                          code == EISDIR ? ", must be a file: the samples of a store are its *.h5" : "")
+                : SP_OK;
 }
 
 static sp_status read_hdf5(const char *path, sp_packing *out, sp_error *err) {
@@ -42,14 +45,24 @@ static sp_status read_hdf5(const char *path, sp_packing *out, sp_error *err) {
     return sp_h5_close(&h);
 }
 
+static sp_status fail_source(const char *path, const char *text, sp_error *err) {
+    const sp_packing_source *s = sp_packing_text_source(text);
+    if (s)
+        return sp_fail(err, SP_EFORMAT, "%s: is %s, must be a packing: `sonopack %s %s %sP.h5' makes one of it", path,
+                       s->what, s->command, path, s->output);
+    return sp_fail(err, SP_EFORMAT,
+                   "%s: neither an HDF5 packing nor its text form, whose header is 'N 600 Lx 24 Ly ...': `sonopack "
+                   "convert %s P.h5' reads other programs' files",
+                   path, path);
+}
+
 static sp_status read_text(const char *path, sp_packing *out, sp_error *err) {
     char *text = NULL;
     size_t size = 0;
     sp_packing p = sp_packing_none();
     sp_status status = sp_file_read_text(path, &text, &size, err);
     if (status == SP_OK && !sp_packing_text_looks(text))
-        status = sp_fail(err, SP_EFORMAT,
-                         "%s: neither an HDF5 packing nor its text form, whose header is 'N 600 Lx 24 Ly ...'", path);
+        status = fail_source(path, text, err);
     if (status == SP_OK)
         status = sp_packing_text_parse(path, text, size, &p, err);
     sp_free(text);
@@ -63,6 +76,22 @@ static sp_status read_text(const char *path, sp_packing *out, sp_error *err) {
     else
         sp_packing_free(&p);
     return status;
+}
+
+sp_status sp_packing_file_looks(const char *path, bool *yes, sp_error *err) {
+    struct stat info;
+    char head[8192];
+    *yes = false;
+    if (stat(path, &info) == 0 && !S_ISREG(info.st_mode))
+        return SP_OK;
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return sp_fail(err, SP_EIO, "cannot open %s: %s", path, strerror(errno));
+    const size_t size = fread(head, 1, sizeof head - 1, file);
+    fclose(file);
+    head[size] = '\0';
+    *yes = strlen(head) < size || sp_packing_text_looks(head) || sp_packing_text_source(head);
+    return SP_OK;
 }
 
 sp_status sp_packing_read(const char *path, sp_packing *out, sp_error *err) {

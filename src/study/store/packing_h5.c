@@ -13,11 +13,13 @@
 #define EDGES_PATH "/particles/grains/box/edges"
 
 static const sp_h5_name name_cell = {
-    "/sonopack/cell", "1", "walls at the bottom and the top: 'piston', none: 'periodic', on all sides: 'box'"};
+    "/sonopack/cell", "1",
+    "walls at the bottom and the top: 'piston', none: 'periodic', on all sides: 'box', two circles: 'ring'"};
 static const sp_h5_name name_gravity = {"/sonopack/gravity", "E* / (rho d)", "acceleration against the up axis"};
 static const sp_h5_name name_edges = {EDGES_PATH, "d", "lengths of the box; the last is the height between the walls"};
 static const sp_h5_name name_periods = {EDGES_PATH, "d", "periods; of a tilted cell its three lattice vectors as rows"};
 static const sp_h5_name name_distances = {EDGES_PATH, "d", "distances between opposite walls"};
+static const sp_h5_name name_ring = {EDGES_PATH, "d", "diameter of the outer wall, and distance between the walls"};
 static const sp_h5_name name_position = {"/particles/grains/position/value", "d", "centres of the grains"};
 static const sp_h5_name name_step = {"/particles/grains/position/step", "1", "steps of the compression; 0 if unknown"};
 static const sp_h5_name name_time = {"/particles/grains/position/time", "d / sqrt(E* / rho)",
@@ -138,7 +140,7 @@ static void put_groups(sp_h5 *h, const sp_packing *p) {
 /* The edges, or the lattice vectors as the rows of a matrix, as H5MD has them; the kind of the cell, and gravity. */
 static void put_cell(sp_h5 *h, const sp_packing *p) {
     const sp_h5_shape edges = {1, {p->dim}}, lattice = {2, {p->dim, p->dim}};
-    const sp_h5_name *const name[] = {&name_edges, &name_periods, &name_distances};
+    const sp_h5_name *const name[] = {&name_edges, &name_periods, &name_distances, &name_ring};
     const double row[3][3] = {{p->box[0], 0, 0}, {p->tilt[0], p->box[1], 0}, {p->tilt[1], p->tilt[2], p->box[2]}};
     double matrix[9];
     for (int a = 0; a < p->dim; a++)
@@ -252,7 +254,9 @@ sp_status sp_packing_save(const sp_packing *p, const char *path, sp_error *err) 
 
 sp_status sp_packing_get_format(sp_h5 *h, int64_t *format) {
     if (!sp_h5_has(h, "/sonopack"))
-        return sp_h5_fail(h, SP_EFORMAT, "no group /sonopack: not a packing of sonopack");
+        return sp_h5_fail(h, SP_EFORMAT, "no group /sonopack: %s",
+                          sp_h5_has(h, "/modes") ? "a file of modes, must be the packing that they are of"
+                                                 : "not a packing of sonopack");
     if (sp_h5_attribute_int(h, "/sonopack", "format", format) != SP_OK)
         return h->status;
     const bool newer = *format > SP_H5_FORMAT_CELL;

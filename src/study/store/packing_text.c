@@ -25,6 +25,37 @@ bool sp_packing_text_looks(const char *text) {
            isdigit((unsigned char)text[1 + strspn(text + 1, " \t")]);
 }
 
+/* Behind blanks, and comments of scenes. */
+static const char *skip_comments(const char *text) {
+    for (;;) {
+        text += strspn(text, " \t\r\n\xef\xbb\xbf");
+        const bool line = *text == '#' || strncmp(text, "//", 2) == 0;
+        const char *end = line ? strchr(text, '\n') : strncmp(text, "/*", 2) == 0 ? strstr(text + 2, "*/") : NULL;
+        if (!end)
+            return text;
+        text = end + (line ? 1 : 2);
+    }
+}
+
+const sp_packing_source *sp_packing_text_source(const char *text) {
+    static const char *const groups[] = {"packing", "material", "network", "signal", "study", "@include"};
+    static const sp_packing_source scene = {"a scene", "pack", "-o "};
+    static const struct {
+        const char *begins;
+        sp_packing_source source;
+    } others[] = {{"ITEM:", {"a dump of LAMMPS", "convert", ""}}, {"<", {"an XML file", "convert", ""}}};
+    text = skip_comments(text);
+    for (size_t k = 0; k < sizeof groups / sizeof *groups; k++) {
+        const size_t length = strlen(groups[k]);
+        if (strncmp(text, groups[k], length) == 0 && memchr("=:\"", text[length + strspn(text + length, " \t\r\n")], 3))
+            return &scene;
+    }
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++)
+        if (strncmp(text, others[k].begins, strlen(others[k].begins)) == 0)
+            return &others[k].source;
+    return NULL;
+}
+
 /* ---- the tangential force in 2D -------------------------------------------------------------------------------- */
 
 /* The rounded product. + 0.0 makes a negative zero positive. */
@@ -111,7 +142,7 @@ static sp_status read_value(const sp_lines *at, const struct header_key *key, co
                             sp_error *err) {
     static const char *const right[] = {"a whole number >= 0",     "a finite number",
                                         "a finite number above 0", "a whole number of 64 bits",
-                                        "rigid, grain or elastic", "piston, periodic or box"};
+                                        "rigid, grain or elastic", "piston, periodic, box or ring"};
     const int64_t bytes = at->end - at->next, most = bytes / 4 < INT32_MAX / 4 ? bytes / 4 : INT32_MAX / 4;
     void *to = (char *)h + key->offset;
     int64_t count = 0;
@@ -221,6 +252,7 @@ static sp_status check_contact(const sp_packing *p, const sp_contact *c, sp_erro
             c->i, c->j, p->n - 1,
             p->cell == SP_CELL_PERIODIC ? "periodic one and has none"
             : p->cell == SP_CELL_BOX    ? "box: -1 bottom, -2 top, -3 left, -4 right, -5 front, -6 back (3D)"
+            : p->cell == SP_CELL_RING   ? "ring: -1 inner, -2 outer"
                                         : "piston's: -1 bottom, -2 top");
     double length2 = 0;
     for (int k = 0; k < p->dim; k++)
@@ -407,6 +439,7 @@ static const char *wall_words(const sp_packing *p) {
     switch (p->cell) {
     case SP_CELL_PERIODIC: return "no walls";
     case SP_CELL_BOX: return "walls: j=-1 bottom, -2 top, -3 left, -4 right, -5 front, -6 back";
+    case SP_CELL_RING: return "j=-1 inner wall, j=-2 outer wall";
     default: return "j=-1 bottom wall, j=-2 top wall";
     }
 }

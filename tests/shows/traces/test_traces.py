@@ -10,7 +10,7 @@ import pytest
 import sonopack
 from sonopack import Table
 from sonopack._command import Failed
-from sonopack.traces import Trace, against, arrivals, command, line, read, transfer
+from sonopack.traces import Response, Trace, against, arrivals, command, line, read, transfer
 from sonopack.traces.read import Form
 
 SEED, SPEED = 20261129, 250.0  # m/s of the laboratory
@@ -143,6 +143,32 @@ def test_scale(computed):
     assert abs(fit.scale - 1.07) < 3 * fit.scale_err < 0.01 and fit.amplitude == pytest.approx(0.4, rel=0.02) and fit.rms < 1.3
 
 
+@pytest.mark.parametrize("f0, q", ((0.15, 3.0), (0.6, 1.0)))
+def test_response(computed, f0, q):
+    """A signal behind a resonance, convolved on a tenfold grid with omega/b exp(-omega t / (2 Q)) sin(b omega t): its scale is found
+    with the resonance, and with the pulse that it makes of a delta, measured from 2 us before with another interval; not without."""
+    t, f = computed
+    random, fine, omega = np.random.default_rng(SEED), np.arange(6000) * 0.003, 2 * np.pi * f0
+    b = math.sqrt(1 - 0.25 / q**2)
+
+    def ringing(t):
+        return np.where(t > 0, omega / b * np.exp(-omega * t / (2 * q)) * np.sin(b * omega * t), 0.0)
+
+    clean = np.convolve(np.interp((fine - 4) / 1.07, t, f, left=0), ringing(fine))[:6000:10] * 0.003
+    times = fine[::10] - 4
+    measured = Trace("lab", "a", times, clean + 0.002 * clean.max() * random.normal(size=len(times)))
+    long = np.arange(-2, 12 * q / omega, 0.021)
+    pulse = Trace("lab", "pulse", long, 3 * ringing(long) + 1e-4 * random.normal(size=len(long)))
+    signal = Trace("own", "F", t, f, "own")
+    for response in Response((f0, q)), Response(pulse):
+        fit = against(measured, signal, response=response)
+        # the noise of 130 samples is known within a factor of two at the frequencies of the front
+        assert abs(fit.scale - 1.07) < 5 * fit.scale_err < 0.002 and fit.rms < 1.5, (fit.scale, fit.scale_err, fit.rms)
+    assert fit.amplitude == pytest.approx(1 / 3, rel=0.02)
+    bare = against(measured, signal)
+    assert abs(bare.scale - 1.07) > 0.02 and bare.rms > 2 * fit.rms, (bare.scale, bare.rms)
+
+
 # ---- files ----------------------------------------------------------------------------------------------------------
 
 N = 400
@@ -156,6 +182,8 @@ def rows(form, *columns):
 
 
 TEK = ["Record Length,4e2,", "Sample Interval,4e-07,", "Source,CH1,", "Vertical Units,V,", "Horizontal Units,s,"]
+INFINIIUM = ("Revision:,0\nType:,raw\nStart:,0\nPoints:,400\nXDispOrg:,-3.2e-05\nXInc:,4e-07\nXOrg:,-3.2e-05\nXUnits:,Second\nYInc:,1e-5\n"
+             "YUnits:,Volt\nMin Bandwidth:,0\nData:,\n")
 FILES = {  # name: text, channels
     "tds.csv": ("".join(f"{TEK[k] if k < len(TEK) else ',,'},{T[k]:018.12f},{A[k]: 11.5f},\n" for k in range(N)), ["CH1"]),
     "mso.csv": ("Model,MSO4034\nHorizontal Units,S,\nSample Interval,4e-07,\nVertical Units,V,V\n,,\nTIME,CH1,CH2\n"
@@ -166,6 +194,20 @@ FILES = {  # name: text, channels
     "keysight.csv": ("x-axis,1,2\nsecond,Volt,Volt\n" + rows("{:+.7E},{:+.6E},{:+.6E}\n", T, A, B), ["1", "2"]),
     "lecroy.csv": ("LECROYWR64Xi,31234,Waveform\nSegments,1,SegmentSize,400\nSegment,TrigTime,TimeSinceSegment1\n"
                    "#1,13-May-2011 11:12:13,0\nTime,Ampl\n" + rows("{:.9g},{}\n", T, A), ["Ampl"]),
+    "mdo.csv": ("Model,MDO3014\nFirmware Version,1.20\n\nWaveform Type,ANALOG,,Waveform Type,DIGITAL,\nPoint Format,Y,,Point Format,Y,\n"
+                "Horizontal Units,s,,Horizontal Units,s,\nSample Interval,4e-07,,Sample Interval,4e-07,\nRecord Length,400,,Record Length,"
+                "400,\nGating,0.0% to 100.0%,,Gating,0.0% to 100.0%,\nVertical Units,V,,Vertical Units,V,\n\n\nTIME,CH1,,TIME,D1\n"
+                + rows("{:.6e},{},,{:.6e},0\n", T, A, T), ["CH1"]),  # the digital channel is idle
+    "mso58.csv": ("Model,MSO58\nFirmware Version,2.0.3\n\nWaveform Type,ANALOG,ANALOG\nHorizontal Units,s,s\nSample Interval,4e-07,4e-07\n"
+                  "Zero Index,80,80\nVertical Units,V,V\nLabel,,\n,,\nTIME,CH1,CH2,\n" + rows("{:.9e},{},{},\n", T, A, B), ["CH1", "CH2"]),
+    "ds1102e.csv": ("Time,X(CH1),X(CH2),\nSecond,Volt,Volt,\n" + rows("{:.8e},{:.5e},{:.5e},\n", T, A, B), ["CH1", "CH2"]),
+    "siglent.csv": ("Record Length,Analog:400\nSample Interval,4e-07\nVertical Units,CH1:V,CH2:V\nHorizontal Units,s\nModel Number,SDS1204X-E\n"
+                    "Source,CH1,CH2\nSecond,Volt,Volt\n" + rows("{:.9f},{},{}\n", T, A, B), ["CH1", "CH2"]),
+    "infiniium.csv": (INFINIIUM + rows("{:.8E},{:.6E}\n", T, A), ["c2"]), "infiniium_y.csv": (INFINIIUM + rows("{:.6E}\n", A), ["c1"]),
+    "lecroy.txt": ("LECROYHDO4054;31234;Waveform\nSegments;1;SegmentSize;400\nSegment;TrigTime;TimeSinceSegment1\n"
+                   "#1;13-May-2011 11:12:13;0\nTime;Ampl\n" + rows("{:.9f};{:.6f}\n", T, A).replace(".", ","), ["Ampl"]),
+    "pico_ms.csv": ("Time;Channel A;Channel B\n(ms);(mV);(mV)\n\n"
+                    + rows("{:.8f};{:.5f};{:.5f}\n", T * 1e3, A * 1e3, B * 1e3).replace(".", ","), ["Channel A", "Channel B"]),
     "pico.csv": ("Zeit;Kanal A;Kanal B\n(µs);(V);(mV)\n\n" + rows("{:.8f};{:.5f};{:.5f}\n", T * 1e6, A, B * 1e3).replace(".", ","),
                  ["Kanal A", "Kanal B"]),
     "hantek.tsv": ("nr\ttime(s)\tch1\tch2\n" + rows("{}\t{:.7f}\t{}\t{}\n", range(N), T, A, B), ["ch1", "ch2"]),
@@ -181,6 +223,17 @@ def test_text(tmp_path, name):
     for trace, values in zip(found, (A, B)):
         assert np.allclose(trace.t, T[0] * 1e6 + 0.4 * np.arange(N), atol=0.01) and np.allclose(trace.f, values, atol=1e-6)
         assert not trace.notes or "rounded" in trace.notes[0]
+        assert trace.f_unit == "V" or not re.search("V", FILES[name][0][:-9000])
+
+
+def sac_text(values):
+    """Lines of 5 numbers, 5 integers and 24 letters, and the values."""
+    numbers, integers, letters = [-12345.0] * 70, [-12345] * 40, ["-12345  "] * 24
+    numbers[0], numbers[5], letters[20] = 4e-7, T[0], "BHZ     "
+    for place, value in ((6, 6), (9, N), (15, 1), (35, 1)):
+        integers[place] = value
+    parts = ((numbers, "{:15.7G}", 5), (integers, "{:10d}", 5), (letters, "{}", 3), (values, "{:15.7G}", 5))
+    return "".join("".join(map(form.format, part[k:k + n])) + "\n" for part, form, n in parts for k in range(0, len(part), n))
 
 
 def test_binary(tmp_path, sonopack):
@@ -195,6 +248,15 @@ def test_binary(tmp_path, sonopack):
         (tmp_path / "a.sac").write_bytes(struct.pack(f"{order}70f40i192s{N}f", *numbers, *integers, b"-12345  " * 24, *A))
         found = read(str(tmp_path / "a.sac"))
         assert np.allclose(found[0].t, T * 1e6, atol=1e-4) and np.allclose(found[0].f, A, atol=1e-6)
+    (tmp_path / "text.sac").write_text(sac_text(A))
+    for form in Form(), Form(kind="sac"):
+        found = read(str(tmp_path / "text.sac"), form)
+        assert np.allclose(found[0].t, T * 1e6, atol=1e-4) and np.array_equal(found[0].f, A) and found[0].channel == "BHZ"
+    for text, said in ((sac_text(A[:-1]), "399 are there"), (sac_text(A).replace(" 4E-07", "-4E-07", 1), "equal intervals"),
+                       (sac_text(A).replace("0.01", "O.01"), "O.01"), (sac_text(A)[:900], "header"), ("1 2\n" * 50, "header")):
+        (tmp_path / "cut.sac").write_text(text)
+        with pytest.raises(Failed, match=re.escape(said)):
+            read(str(tmp_path / "cut.sac"), Form(kind="sac"))
     sonopack("chain", "signal", "--grains=20", "--points=500", "-o", "own.sac")
     sonopack("chain", "signal", "--grains=20", "--points=500", "-o", "own.tsv")
     one, other = (read(str(tmp_path / name))[0] for name in ("own-F.sac", "own.tsv"))

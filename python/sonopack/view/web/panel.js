@@ -138,11 +138,11 @@ export class Panel {
     const share = packing.rattlers / packing.grains;
     const words = [`${packing.grains} grains in ${packing.dimension}D`,
       `height ${units.text(packing.box[packing.dimension - 1], 'length')}`];
-    if (packing.dimension > 1)
-      words.push(`width ${units.text(packing.box[0], 'length')}`);
-    const { cell, tilt = [0, 0, 0] } = packing;
+    const { box, cell, tilt = [0, 0, 0] } = packing;
+    if (packing.dimension > 1 && cell !== 'ring') words.push(`width ${units.text(box[0], 'length')}`);
     if (cell === 'periodic') words.push('periodic along all axes');
     if (cell === 'box') words.push('walls on all sides');
+    if (cell === 'ring') words.push(`between rings of ${[box[0] / 2 - box[1], box[0] / 2].map((r) => units.text(r, 'length')).join(' and ')}`);
     if (tilt.some((step) => step !== 0)) {
       const steps = packing.dimension === 2 ? tilt.slice(0, 1) : tilt;
       words.push(`tilted by ${steps.map((step) => units.text(step, 'length')).join(', ')}`);

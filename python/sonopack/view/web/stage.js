@@ -37,7 +37,8 @@ function squares(count) {
 }
 
 /* The vectors along the three edges of the box; 0 along axes that the packing does not have. */
-export function edgesOf({ box, tilt = [0, 0, 0] }) {
+export function edgesOf({ box, cell, tilt = [0, 0, 0] }) {
+  if (cell === 'ring') return [[box[0], 0, 0], [0, box[0], 0], [0, 0, 0]];
   const [xy, xz, yz] = tilt;
   return [[box[0], 0, 0], [xy, box[1] || 0, 0], [xz, yz, box[2] || 0]];
 }
@@ -153,7 +154,7 @@ export class Stage {
     this.contacts.renderOrder = 1;
   }
 
-  /* Edges of the box; a chain has a line at each wall. */
+  /* Edges of the box; a chain has a line at each wall, a ring two circles. */
   makeBox() {
     const [x] = this.extent;
     const points = [];
@@ -161,7 +162,12 @@ export class Stage {
       this.edges.reduce((sum, edge, a) => sum + (steps[a] || 0) * edge[axis], 0));
     const line = (from, to) => points.push(...corner(...from), ...corner(...to));
     if (this.dim === 1) points.push(0, -1, 0, 0, 1, 0, x, -1, 0, x, 1, 0);
-    for (const a of this.dim === 1 ? [] : [0, 1]) {
+    const { box, cell } = this.packing;
+    for (const r of cell === 'ring' ? [box[0] / 2, box[0] / 2 - box[1]] : []) {
+      const at = (k) => [box[0] / 2 + r * Math.cos(k * Math.PI / 180), box[0] / 2 + r * Math.sin(k * Math.PI / 180), 0];
+      for (let k = 0; k < 360; k++) points.push(...at(k), ...at(k + 1));
+    }
+    for (const a of this.dim === 1 || cell === 'ring' ? [] : [0, 1]) {
       for (const b of this.dim === 2 ? [0] : [0, 1]) {
         line([0, a, b], [1, a, b]);
         line([a, 0, b], [a, 1, b]);
