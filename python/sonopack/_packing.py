@@ -398,9 +398,10 @@ def _fill(out: Any, x: npt.NDArray[Any], r: npt.NDArray[Any], contacts: npt.NDAr
 def _set_masses(out: Any, mass: npt.ArrayLike | None, inertia: npt.ArrayLike | None,
                 species: npt.ArrayLike | None = None) -> None:
     if species is not None:
-        whole = np.ascontiguousarray(species, np.int32)
-        if whole.shape != (out.n,):
-            raise _core.invalid("species", f"has the shape {whole.shape}: must be one number for each grain")
+        given = np.asarray(species)
+        if given.shape != (out.n,) or given.dtype.kind not in "iu" or np.any(given > np.iinfo(np.int32).max):
+            raise _core.invalid("species", f"{given.dtype} of the shape {given.shape}: must be one whole number for each grain")
+        whole = np.ascontiguousarray(given, np.int32)
         call(lib.sp_packing_alloc_species, out)
         ffi.memmove(out.species, whole, whole.nbytes)
     if mass is None and inertia is None:

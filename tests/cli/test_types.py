@@ -135,6 +135,13 @@ def alike():
             np.testing.assert_array_equal(getattr(one, name), getattr(two, name))
 
 
+def soft_as_hard():
+    """At one p/E* soft grains are pressed as much as hard ones: the piston must not arrive faster than they bear."""
+    hard, soft = (File(pack("soft.h5", grains=200, width=10, pressure=p, **{"types.fraction": [1], "types.modulus": [modulus]}))
+                  for p, modulus in ((1e-2, 1), (2e-4, 0.02)))
+    assert abs(soft.overlap.mean() / hard.overlap.mean() - 1) < 0.1
+
+
 def disks():
     """The mass of a disk is rho pi R^2 d, and I = m R^2/2; the gas is the same, the motion another."""
     f = File(pack("disk.h5", grains=100, width=10, shape="disk", friction=0.3, **{"types.fraction": [0.5, 0.5],
@@ -160,7 +167,8 @@ def minima():
 def commands_take_them():
     pack("mixed.h5", grains=100, width=10, friction=0.5, seed=2, **THREE)
     for words in ("statics", "moduli", "signal", "front", "respond --strain xy --contacts", "clusters",
-                  "modes --prestress --lowest 5", "sensitivity --by kn,kt"):
+                  "modes --prestress --lowest 5", "sensitivity --by kn,kt", "uncertainty --force 0.1 --position 1e-4",
+                  "design --goal delay", "coda --trials 1"):
         command, *rest = words.split()
         assert len(table(command, "mixed.h5", *rest, status=0)) > 0, words
     run("convert", "mixed.h5", "mixed.vtp")
@@ -187,6 +195,9 @@ def wrong_ones_are_refused():
         refused(names, "pack", *sets(**keys), "-o", "no.h5")
     pack("from.h5", grains=60, width=8)
     refused("types piston", "pack", *sets(**two, kind="file", file="from.h5"), "-o", "no.h5")
+    smooth = dict(kind="minimum", cell="periodic", friction=0, pressure=1e-3)
+    pack("from.h5", grains=60, **smooth, **two, **{"types.modulus": [1, 0.2]})
+    refused("several one material", "pack", *sets(**smooth, file="from.h5"), "-o", "no.h5")
 
 
-main(three_materials, alike, disks, minima, commands_take_them, wrong_ones_are_refused)
+main(three_materials, alike, soft_as_hard, disks, minima, commands_take_them, wrong_ones_are_refused)

@@ -186,6 +186,7 @@ TEST(test_check_finds) {
     BROKEN(q.box[0] = INFINITY, "0");
     BROKEN(q.pressure = 0, "pressure");
     BROKEN(q.friction = -1, "friction");
+    BROKEN(assert_ok(sp_packing_alloc_species(&q, &err)); q.species[2] = -1, "2 -1");
     BROKEN(q.poisson = 0.6, "Poisson");
     BROKEN(q.contacts[2].j = 99, "2");
     BROKEN(q.contacts[2].i = -1, "2");

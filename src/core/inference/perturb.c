@@ -154,6 +154,8 @@ sp_status sp_drawing_copy(const sp_packing *p, int32_t room, sp_packing *out, sp
     sp_status status = sp_packing_alloc(&q, p->dim, p->n, room, err);
     if (status == SP_OK && p->mass)
         status = sp_packing_alloc_masses(&q, err);
+    if (status == SP_OK && p->species)
+        status = sp_packing_alloc_species(&q, err);
     if (status != SP_OK) {
         sp_packing_free(&q);
         return status;
@@ -163,6 +165,7 @@ sp_status sp_drawing_copy(const sp_packing *p, int32_t room, sp_packing *out, sp
     out->r = memcpy(q.r, p->r, n * sizeof *q.r);
     out->mass = p->mass ? memcpy(q.mass, p->mass, n * sizeof *q.mass) : NULL;
     out->inertia = p->mass ? memcpy(q.inertia, p->inertia, n * sizeof *q.inertia) : NULL;
+    out->species = p->species ? memcpy(q.species, p->species, n * sizeof *q.species) : NULL;
     out->contacts = q.contacts;
     out->n_contacts = 0;
     out->scene = NULL;

@@ -155,11 +155,12 @@ void sp_compression_set_stage(compression *run) {
 /* Period of the piston's oscillation on the packing, over 2 pi. */
 static double swing_time(const compression *run) {
     const dynamics *d = &run->d;
+    const double soft = d->law.softest;
     double mass = 0;
     for (int32_t i = 0; i < d->n; i++)
         mass += 1 / dynamics_grain(d, i)[d->at.inv_m];
     return sqrt((d->piston_mass + 0.5 * mass) / d->area * d->piston_y /
-                compression_stiffness(d->pressure, run->spec->law_exponent));
+                (soft * compression_stiffness(d->pressure / soft, run->spec->law_exponent)));
 }
 
 /* Changes the pressure slowly compared with the oscillation; after a jump the piston would rebound and open the

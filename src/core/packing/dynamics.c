@@ -45,8 +45,9 @@ static contact_law law_of(const sp_pack_spec *spec) {
                        .viscous_limit = spec->viscous_limit,
                        .spin = 1 / sp_types_inertia(spec),
                        .mixed = sp_types_mixed(spec)};
-    double densest, lightest;
-    sp_types_limits(spec, &densest, &lightest, &law.stiffest);
+    const sp_types_range all = sp_types_limits(spec);
+    law.stiffest = all.stiffest;
+    law.softest = all.softest;
     for (int s = 0; s < sp_types_count(spec); s++) {
         law.wall[s] = sp_types_rule(spec, s, -1);
         for (int t = 0; t < sp_types_count(spec); t++)

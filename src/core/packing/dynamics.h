@@ -79,10 +79,10 @@ typedef struct force_rows {
 typedef struct contact_law {
     double exponent; /* of the overlap in the normal force; 3/2 at walls */
     double friction, eta, sqrt_eta, damping;
-    double viscous_limit; /* limit of the total tangential force over the Coulomb limit of its elastic part */
-    double spin;          /* m R^2/I */
-    double stiffest;      /* largest E* of a grain */
-    bool mixed;           /* contacts differ by the types of their grains: rules decide, not friction and eta */
+    double viscous_limit;     /* limit of the total tangential force over the Coulomb limit of its elastic part */
+    double spin;              /* m R^2/I */
+    double stiffest, softest; /* largest and smallest E* of a grain */
+    bool mixed;               /* contacts differ by the types of their grains: rules decide, not friction and eta */
     contact_rule pair[SP_TYPES_MAX][SP_TYPES_MAX], wall[SP_TYPES_MAX];
 } contact_law;
 

@@ -12,11 +12,12 @@ typedef struct taken {
 
 /* A minimum may begin with any smooth spheres in a periodic cell that have its law. */
 static sp_status check_smooth(const sp_pack_spec *spec, const sp_packing *from, sp_error *err) {
-    if (from->cell != SP_CELL_PERIODIC || from->friction > 0 || from->mass)
+    if (from->cell != SP_CELL_PERIODIC || from->friction > 0 || from->mass || from->species)
         return sp_fail(err, SP_EINVAL,
-                       "packing.file: cell \"%s\", friction %g%s: must be smooth spheres in a periodic cell for "
-                       "packing.kind = \"minimum\"",
-                       sp_cell_names[from->cell], from->friction, from->mass ? ", masses of its own" : "");
+                       "packing.file: cell \"%s\", friction %g%s%s: must be smooth spheres of one material in a "
+                       "periodic cell for packing.kind = \"minimum\"",
+                       sp_cell_names[from->cell], from->friction, from->mass ? ", masses of its own" : "",
+                       from->species ? ", several materials" : "");
     for (int32_t k = 0; k < from->n_contacts; k++) {
         const sp_contact *c = &from->contacts[k];
         const double a = c->kn > 0 ? c->kn * c->overlap / c->fn : 1.5;

@@ -168,9 +168,8 @@ static sp_status check_scale(const sp_pack_spec *s, sp_error *err) {
  * diameters up to 2.6. */
 static double heaviness(const sp_pack_spec *s) {
     const double mean = sp_sizes_moment(s, 1);
-    double densest, lightest, stiffest;
-    sp_types_limits(s, &densest, &lightest, &stiffest);
-    return fmax(fmax(1, s->diameter_min), grain_mass(0.5 * s->diameter_max) / (10 * mean * mean)) * fmax(1, densest);
+    return fmax(fmax(1, s->diameter_min), grain_mass(0.5 * s->diameter_max) / (10 * mean * mean)) *
+           fmax(1, sp_types_limits(s).densest);
 }
 
 double sp_rounding_acceleration(double pressure, double exponent) {
@@ -180,9 +179,8 @@ double sp_rounding_acceleration(double pressure, double exponent) {
 /* A tolerance of 2e-15 was reached at p = 1e-4. */
 static double least_tolerance(const sp_pack_spec *s) {
     const double area = s->dim == 3 ? s->width * s->depth : s->width;
-    double densest, lightest, stiffest;
-    sp_types_limits(s, &densest, &lightest, &stiffest);
-    return fmax(1, stiffest / lightest) * sp_rounding_acceleration(s->pressure, s->law_exponent) *
+    const sp_types_range all = sp_types_limits(s);
+    return fmax(1, all.stiffest / all.lightest) * sp_rounding_acceleration(s->pressure, s->law_exponent) *
            fmax(1, fmax(s->width, s->grains / area) / 25);
 }
 

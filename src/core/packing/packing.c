@@ -136,6 +136,8 @@ static sp_status check_grains(const sp_packing *p, sp_error *err) {
         if (p->mass && !(p->mass[i] > 0 && isfinite(p->mass[i]) && p->inertia[i] > 0 && isfinite(p->inertia[i])))
             return sp_fail(err, SP_EFORMAT, "grain %d: mass %g and moment of inertia %g must be positive and finite", i,
                            p->mass[i], p->inertia[i]);
+        if (p->species && p->species[i] < 0)
+            return sp_fail(err, SP_EFORMAT, "grain %d: species %d must be >= 0", i, p->species[i]);
         if (p->r[i] > sp_packing_height(p))
             return sp_fail(err, SP_EFORMAT, "grain %d: radius %g must be below the height %g", i, p->r[i],
                            sp_packing_height(p));

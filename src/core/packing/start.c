@@ -197,7 +197,7 @@ static sp_status start_packing(compression *run, sp_error *err) {
  * rests on the grains. */
 static double gentle_pressure(const compression *run) {
     const double small = run->spec->diameter_min / run->d.scale;
-    return 1e-3 * fmin(1, 4 * small * small);
+    return 1e-3 * run->d.law.softest * fmin(1, 4 * small * small);
 }
 
 static sp_status start_new(compression *run, sp_error *err) {

@@ -108,14 +108,17 @@ contact_rule sp_types_rule(const sp_pack_spec *spec, int s, int t) {
     return r;
 }
 
-void sp_types_limits(const sp_pack_spec *spec, double *densest, double *lightest, double *stiffest) {
-    *densest = *lightest = of_type(spec->types.density, spec->types.densities, 0, 1);
-    *stiffest = of_type(spec->types.modulus, spec->types.moduli, 0, 1);
-    for (int t = 1; t < spec->types.densities || t < spec->types.moduli; t++) {
-        *densest = fmax(*densest, of_type(spec->types.density, spec->types.densities, t, 1));
-        *lightest = fmin(*lightest, of_type(spec->types.density, spec->types.densities, t, 1));
-        *stiffest = fmax(*stiffest, of_type(spec->types.modulus, spec->types.moduli, t, 1));
+sp_types_range sp_types_limits(const sp_pack_spec *spec) {
+    sp_types_range all = {.lightest = INFINITY, .softest = INFINITY};
+    for (int t = 0; t < sp_types_count(spec); t++) {
+        const double density = of_type(spec->types.density, spec->types.densities, t, 1);
+        const double modulus = of_type(spec->types.modulus, spec->types.moduli, t, 1);
+        all.densest = fmax(all.densest, density);
+        all.lightest = fmin(all.lightest, density);
+        all.stiffest = fmax(all.stiffest, modulus);
+        all.softest = fmin(all.softest, modulus);
     }
+    return all;
 }
 
 double sp_types_mass(const sp_pack_spec *spec, int type, double r) {

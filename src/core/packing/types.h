@@ -22,8 +22,11 @@ sp_status sp_types_check(const sp_pack_spec *s, sp_error *err);
 
 /* The law between types s and t; t < 0: at a wall. */
 contact_rule sp_types_rule(const sp_pack_spec *spec, int s, int t);
-/* Largest and smallest density, and largest E*. */
-void sp_types_limits(const sp_pack_spec *spec, double *densest, double *lightest, double *stiffest);
+/* Largest and smallest density and E*. */
+typedef struct sp_types_range {
+    double densest, lightest, stiffest, softest;
+} sp_types_range;
+sp_types_range sp_types_limits(const sp_pack_spec *spec);
 double sp_types_mass(const sp_pack_spec *spec, int type, double r);
 /* I/(m R^2). */
 static inline double sp_types_inertia(const sp_pack_spec *spec) { return spec->shape == SP_SHAPE_DISK ? 0.5 : 0.4; }
