@@ -23,7 +23,7 @@ _STEPS = [
 
 
 def parser() -> Parser:
-    return Parser("demo", usage="%(prog)s [-o FOLDER]",
+    return Parser("demo", usage="%(prog)s [--force] [-o FOLDER]",
                   description="Makes a packing of glass beads, its moduli, a signal, a figure and a page in some seconds, and "
                               "shows the commands.\nThey work by themselves in the folder, sonopack-demo unless -o names "
                               "another.")
@@ -40,7 +40,7 @@ def _command() -> pathlib.Path:
 
 def run(arguments: argparse.Namespace) -> None:
     command, folder = _command(), pathlib.Path(arguments.output or "sonopack-demo")
-    folder.mkdir(exist_ok=True)
+    folder.mkdir(parents=True, exist_ok=True)
     for text, words in _STEPS:
         print(f"\n{text}:\n$ sonopack {shlex.join(words)}", flush=True)
         done = subprocess.run([command, *words, "--quiet", *["--force"] * arguments.force], cwd=folder, stdout=subprocess.PIPE, text=True)

@@ -35,6 +35,8 @@ def check(given: Any) -> None:
             (s.kind != lib.SP_PACK_PISTON, "kind", ': must be "piston"'),
             (s.cell != lib.SP_CELL_PISTON, "cell", ': must be "piston"'),
             (s.tangential != lib.SP_TANGENTIAL_CONSTANT, "tangential", ': must be "constant"'),
+            (s.types.fractions > 0, "types.fraction", ": must be empty"),
+            (s.shape != lib.SP_SHAPE_SPHERE, "shape", ' = "disk": must be "sphere"'),
             (s.gravity != 0, "gravity", f" = {s.gravity:g}: must be 0"),
             (s.protocol == lib.SP_PROTOCOL_AFFINE, "protocol", ' = "affine": must be another'),
             (s.compression != lib.SP_COMPRESSION_PISTON, "compression", ': must be "piston"'),

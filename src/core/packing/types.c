@@ -47,8 +47,8 @@ sp_status sp_types_check_counts(const sp_pack_spec *s, sp_error *err) {
         if ((lists[k].count != 0 && (lists[k].count != lists[k].right || !lists[k].list)) ||
             (lists[k].count == 0 && lists[k].list))
             return sp_fail_key(err, SP_EINVAL, lists[k].key,
-                               " = (%d numbers): must be none, or %d for the %d materials of packing.types.fraction",
-                               lists[k].count, lists[k].right, n);
+                               " = (%d numbers): must be none, or %d for the %d materials of packing.types.fraction%s",
+                               lists[k].count, lists[k].right, n, n > 0 ? "" : ", which must be given");
     return SP_OK;
 }
 
