@@ -352,6 +352,6 @@ def write_table(arguments: argparse.Namespace, table: Table, material: Material 
     if arguments.output:
         table.save(arguments.output)
     else:
-        aligned = arguments.format is None and sys.stdout.isatty()
+        aligned = arguments.format is None and sys.stdout.isatty() and "OMPI_COMM_WORLD_SIZE" not in os.environ
         sys.stdout.write(table.aligned(arguments.digits) if aligned else table.text(arguments.format or "tsv"))
 

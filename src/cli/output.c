@@ -1,5 +1,6 @@
 /* Writes tables to stdout or to files, and decides which files may be replaced. */
 #include "cli/cli.h"
+#include "cli/ranks.h"
 
 #include "base/base.h"
 #include "base/file.h"
@@ -235,6 +236,9 @@ sp_status cli_write_table_to(const cli_common *to, const char *path, sp_table *t
     return cli_write_table(&there, t, err);
 }
 
+/* Somebody reads the standard output. OpenMPI gives the ranks of mpirun terminals of its own. */
+static bool is_read(void) { return isatty(STDOUT_FILENO) && !cli_launch_of_environment().mpi; }
+
 sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) {
     sp_table_format format;
     sp_status status = table_format(common, &format, err);
@@ -243,7 +247,7 @@ sp_status cli_write_table(const cli_common *common, sp_table *t, sp_error *err) 
     if (status != SP_OK)
         return status;
     const bool foreign = common->output && cli_is_foreign_table(common->output);
-    const bool shown = !common->output && !common->format_given && isatty(STDOUT_FILENO);
+    const bool shown = !common->output && !common->format_given && is_read();
     char *text = shown ? sp_table_aligned(t, common->digits) : sp_table_text(t, foreign ? SP_TSV : format);
     if (!text)
         return sp_fail_memory(err, (size_t)(t->rows * t->columns) * 24);

@@ -73,7 +73,7 @@ def symmetry():
 
 def moduli():
     found = table("moduli", N200, N600)
-    assert found.names == ["file", "p", "C11", "C12", "C22", "C33", "c_l", "c_t"]
+    assert found.names == ["file", "p", "C11", "C12", "C22", "C33", "c_l", "c_t", "C_err", "c_l_err", "c_t_err"]
     assert found.words("file") == [str(N200), str(N600)] and list(found["p"]) == [1e-4, 1e-4]
     pairs = [(found, k, network(path).moduli()) for k, path in enumerate((N200, N600))]
     for t, k, c in [*pairs, (table("moduli", N200, "--prestress"), 0, network(N200, True).turned_moduli())]:

@@ -47,7 +47,10 @@ const sp_packing_source *sp_packing_text_source(const char *text) {
     text = skip_comments(text);
     for (size_t k = 0; k < sizeof groups / sizeof *groups; k++) {
         const size_t length = strlen(groups[k]);
-        if (strncmp(text, groups[k], length) == 0 && memchr("=:\"", text[length + strspn(text + length, " \t\r\n")], 3))
+        if (strncmp(text, groups[k], length) != 0)
+            continue;
+        const char next = text[length + strspn(text + length, " \t\r\n")];
+        if (next != '\0' && strchr("=:\"", next))
             return &scene;
     }
     for (size_t k = 0; k < sizeof others / sizeof *others; k++)
