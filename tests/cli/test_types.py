@@ -193,7 +193,7 @@ def wrong_ones_are_refused():
             ("packing.shape sphere", {"shape": "disk", "dimension": 3, "width": 5}),
             ("tangential constant", {**two, "types.modulus": [1, 2], "tangential": "history"})):
         refused(names, "pack", *sets(**keys), "-o", "no.h5")
-    refused("types.fraction lammps", "pack", *sets(**two), "--engine", "lammps", "-o", "no.h5")
+    refused("types.fraction lammps", "pack", *sets(**two), "--engine", "lammps", "--prepare", "in")
     pack("from.h5", grains=60, width=8)
     refused("types piston", "pack", *sets(**two, kind="file", file="from.h5"), "-o", "no.h5")
     smooth = dict(kind="minimum", cell="periodic", friction=0, pressure=1e-3)
