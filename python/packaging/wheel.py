@@ -113,7 +113,7 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
 def build_sdist(sdist_directory, config_settings=None):
     """Everything that git knows; PKG-INFO beside it."""
     base = f"sonopack-{_version()}"
-    known = subprocess.run(["git", "ls-files", "-z"], cwd=SOURCE, check=True, capture_output=True, text=True).stdout
+    known = subprocess.run(["git", "-c", "safe.directory=*", "ls-files", "-z"], cwd=SOURCE, check=True, capture_output=True, text=True).stdout
     with tempfile.NamedTemporaryFile("w") as info, tarfile.open(pathlib.Path(sdist_directory) / f"{base}.tar.gz", "w:gz") as tar:
         info.write(_metadata())
         info.flush()

@@ -5,6 +5,7 @@ usage: test_wheel.py BUILD_DIR SOURCE_DIR
 import importlib.util
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -45,7 +46,7 @@ with tempfile.TemporaryDirectory(prefix="sonopack-wheel-") as folder:
     assert (place / "venv/bin/sonopack-plot").read_text().startswith(f"#!{place}/venv/bin/python")
     run(*pip, "uninstall", "-y", "sonopack")
     assert not command.exists() and not pathlib.Path(where).exists()
-    if (pathlib.Path(SOURCE) / ".git").exists():
+    if (pathlib.Path(SOURCE) / ".git").exists() and shutil.which("git"):
         run(python, "-c", f"import sys; sys.path.insert(0, {SOURCE + '/python/packaging'!r}); import wheel; wheel.build_sdist('.')")
         names = tarfile.open(place / f"sonopack-{version}.tar.gz").getnames()
         assert {f"sonopack-{version}/{name}" for name in ("PKG-INFO", "pyproject.toml", "CMakeLists.txt", "src/cli/main.c")} <= set(names)
