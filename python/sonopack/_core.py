@@ -87,6 +87,16 @@ def text_of(chars: Any) -> str:
     return os.fsdecode(ffi.string(chars)) if chars != ffi.NULL else ""
 
 
+def taken_text(chars: Any) -> str:
+    """A text of the library that is the caller's to free."""
+    if chars == ffi.NULL:
+        raise NoMemory("out of memory", Status.ENOMEM)
+    try:
+        return text_of(chars)
+    finally:
+        lib.sp_free(chars)
+
+
 def c_path(path: Path) -> bytes:
     name = os.fsencode(path)
     if b"\0" in name:

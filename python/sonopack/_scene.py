@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._core import Path, c_path, call, text_of
+from ._core import Path, c_path, call, taken_text
 from ._native import ffi, lib
 
 Keys = Mapping[str, Any]
@@ -115,7 +115,7 @@ class Scene(_core.Owner):
     @property
     def text(self) -> str:
         """All keys but those of the group column, as the text of a scene file. It gives the same values, bit for bit."""
-        return _taken_text(lib.sp_scene_text(self._c, ffi.NULL))
+        return taken_text(lib.sp_scene_text(self._c, ffi.NULL))
 
     def options(self, group: str) -> dict[str, Any]:
         """The group "network" or "signal" as keywords of packing.network() or network.signal(); a number 0 that stands for a
@@ -156,16 +156,6 @@ def _reload(path: Path | None, text: str | None, name: str, keys: Keys) -> Scene
     return scene
 
 
-def _taken_text(chars: Any) -> str:
-    """A text of the library that is the caller's to free."""
-    if chars == ffi.NULL:
-        raise _core.NoMemory("out of memory", _core.Status.ENOMEM)
-    try:
-        return text_of(chars)
-    finally:
-        lib.sp_free(chars)
-
-
 def scene_help() -> str:
     """The table of all keys of scenes, with units, ranges and defaults."""
-    return _taken_text(lib.sp_scene_help())
+    return taken_text(lib.sp_scene_help())

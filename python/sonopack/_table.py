@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._core import Path, c_path, call, figure_of_kind, text_of
+from ._core import Path, c_path, call, figure_of_kind, taken_text, text_of
 from ._native import ffi, lib
 from ._records import Material
 
@@ -145,12 +145,12 @@ class Table(Mapping[str, npt.NDArray[Any]]):
         """The table as tsv, csv or json. Numbers have the digits that read back exactly."""
         if "." + format not in _FORMATS:
             raise _core.invalid("format", f"{format!r}: must be tsv, csv or json")
-        return _owned(lib.sp_table_text(self._c, _FORMATS["." + format]))
+        return taken_text(lib.sp_table_text(self._c, _FORMATS["." + format]))
 
     def aligned(self, digits: int = lib.SP_DIGITS_OF_ERRORS) -> str:
         """The table for readers: columns aligned; numbers to two digits of their errors X_err, at most six, or to so many
         digits; -1: all."""
-        return _owned(lib.sp_table_aligned(self._c, digits))
+        return taken_text(lib.sp_table_aligned(self._c, digits))
 
     def save(self, path: Path) -> None:
         """Writes .tsv, .csv or .json, as the ending says. A reader sees the old file or the new one, never a part."""
@@ -166,16 +166,6 @@ class Table(Mapping[str, npt.NDArray[Any]]):
 
     def __repr__(self) -> str:
         return f"<Table: {self.rows} rows of {' '.join(self.names)}>"
-
-
-def _owned(chars: Any) -> str:
-    """A text that the library has made, which is freed."""
-    if chars == ffi.NULL:
-        raise _core.NoMemory("out of memory", _core.Status.ENOMEM)
-    try:
-        return text_of(chars)
-    finally:
-        lib.sp_free(chars)
 
 
 def quantity(text: str, unit: str, material: Material | None = None) -> float:

@@ -6,6 +6,7 @@
 #include "packing/contact.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Specs are resolved before they are checked: lists may be too short. */
 static double of_type(const double *list, int32_t count, int type, double usual) {
@@ -180,7 +181,7 @@ sp_status sp_types_finish(const sp_pack_spec *spec, const int32_t *type, sp_pack
     }
     if (status == SP_OK && spec->types.fractions > 0)
         status = sp_packing_alloc_species(p, err);
-    for (int32_t i = 0; status == SP_OK && p->species && i < p->n; i++)
-        p->species[i] = type[i];
+    if (status == SP_OK && p->species)
+        memcpy(p->species, type, (size_t)p->n * sizeof *type);
     return status;
 }
