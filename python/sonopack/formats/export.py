@@ -26,7 +26,8 @@ class Units:
     force: float = 1.0
     stress: float = 1.0
     stiffness: float = 1.0
-    names: tuple[str, ...] = ("d", "rho d^3", "E* d^2", "E*", "E* d")  #: of length, mass, force, stress, stiffness
+    #: of length, mass, force, stress, stiffness, moment of inertia
+    names: tuple[str, ...] = ("d", "rho d^3", "E* d^2", "E*", "E* d", "rho d^5")
     all: str = "d, E*, rho"
 
     @classmethod
@@ -36,7 +37,7 @@ class Units:
             return cls()
         d, stress = m.diameter, modulus(m)
         return cls(d, m.density * d * d * d, m.density, stress * d * d, stress, stress * d,
-                   ("m", "kg", "N", "Pa", "N/m"), "SI")
+                   ("m", "kg", "N", "Pa", "N/m", "kg m^2"), "SI")
 
 
 def number_text(value: float) -> str:
@@ -84,6 +85,7 @@ class Export:
             self.said += f" inner={n(outer - self.box[1])} outer={n(outer)} x0={n(outer)} y0={n(outer)}"
         self.x, self.r = np.array(p.x) * u.length, np.array(p.r) * u.length
         self.mass = (sphere_mass(np.array(p.r)) if p.mass is None else np.array(p.mass)) * u.mass
+        self.inertia = None if p.inertia is None else p.inertia * (u.mass * u.length**2)
         self.density = np.full(p.n, u.density) if p.mass is None else self.mass / sphere_mass(self.r)
         self._derive()
 
@@ -109,15 +111,15 @@ class Export:
         kn = np.where(own, c["kn"], hertz)
         usual = eta(p.poisson) * kn if p.friction > 0 and p.dim > 1 else 0 * kn
         self.kn, self.kt = kn * u.stiffness, np.where(own, c["kt"], usual) * u.stiffness
-        self.springs = bool(own.any())
+        self.springs, self.mu = bool(own.any()), c["mu"] if (c["mu"] > 0).any() else None
 
     def periodic(self, axis: int) -> bool:
         """Whether the cell is periodic along an axis."""
         return self.packing.cell == "periodic" or (self.packing.cell == "piston" and axis < self.packing.dim - 1)
 
     def vectors(self, displacement: str, rotation: str) -> tuple[str, list[Floats]]:
-        """Names and columns of displacements and rotations, as a row lists them."""
-        names, columns = "", []
+        """Names and columns of moments of inertia, displacements and rotations, if there are any, as a row lists them."""
+        names, columns = ("", []) if self.inertia is None else (" inertia", [self.inertia])
         for stem, values in ((displacement, self.displacement), (rotation, self.rotation)):
             if values is not None:
                 names += "".join(f" {stem}{axis}" for axis in "xyz")
@@ -151,18 +153,20 @@ def _axes(stem: str, values: Floats, dim: int, unit: str = "") -> Columns:
 
 def grain_columns(e: Export) -> Columns:
     """The columns of grains with their units, for CSV and MAT."""
-    length, mass, _, stress, _ = e.units.names
+    length, mass, _, stress, _, inertia = e.units.names
     dim = e.packing.dim
     columns = {"id": (e.ids, ""), **_axes("", e.x, dim, length), "radius": (e.r, length), "mass": (e.mass, mass),
                "contacts": (e.contacts, ""), "rattler": (e.rattler, ""), "pressure": (e.grain_pressure, stress)}
+    columns |= {} if e.inertia is None else {"inertia": (e.inertia, inertia)}
     columns |= {} if e.displacement is None else _axes("u", e.displacement, dim)
     return columns | ({} if e.rotation is None else _axes("r", e.rotation, 3))
 
 
 def contact_columns(e: Export) -> Columns:
     """The same of contacts."""
-    length, _, force, _, stiffness = e.units.names
+    length, _, force, _, stiffness, _ = e.units.names
     dim = e.packing.dim
+    own = {} if e.mu is None else {"mu": (e.mu, "")}
     return {"i": (e.i, ""), "j": (e.j, ""), **_axes("n", e.n, dim), "overlap": (e.overlap, length), "Fn": (e.fn, force),
             **_axes("Ft", e.ft, dim, force), "kn": (e.kn, stiffness), "kt": (e.kt, stiffness),
-            "carrying": (e.carrying, "")}
+            **own, "carrying": (e.carrying, "")}

@@ -66,14 +66,14 @@ def _whole(e: Export) -> str:
 
 
 def _note(e: Export) -> str:
-    length, mass, force, stress, stiffness = e.units.names
+    length, mass, force, stress, stiffness, _ = e.units.names
     return (f"sonopack: lengths in {length}, forces in {force}, stiffnesses in {stiffness}, stresses in {stress}, "
             f"masses in {mass}; the normal of a contact points from its grain id1, on which the force acts")
 
 
 def _grains(e: Export) -> bytes:
     arrays: list[_Array] = [
-        ("id", e.ids, "i8"), ("radius", e.r, "f8"), ("mass", e.mass, "f8"), ("contacts", e.contacts, "i4"),
+        ("id", e.ids, "i8"), ("radius", e.r, "f8"), ("mass", e.mass, "f8"), ("inertia", e.inertia, "f8"), ("contacts", e.contacts, "i4"),
         ("rattler", e.rattler, "i4"), ("pressure", e.grain_pressure, "f8"), ("stress", e.stress, "f8"),
         ("net_force", e.net, "f8"), ("displacement", e.displacement, "f8"), ("rotation", e.rotation, "f8")]
     return _file(_note(e), 'PointData Scalars="radius"', arrays, e.x, 1, _whole(e))
@@ -87,10 +87,10 @@ def _lines(e: Export, walls: bool) -> bytes:
     arrays: list[_Array] = [
         ("id1", e.i, "i8"), ("wall" if walls else "id2", e.j, "i8"), ("normal_force", e.fn, "f8"),
         ("force", e.force, "f8"), ("tangential_force", e.ft, "f8"), ("normal", e.n, "f8"), ("overlap", e.overlap, "f8"),
-        ("kn", e.kn, "f8"), ("kt", e.kt, "f8"), ("carrying", e.carrying, "i8"),
+        ("kn", e.kn, "f8"), ("kt", e.kt, "f8"), ("mu", e.mu, "f8"), ("carrying", e.carrying, "i8"),
         *(() if walls else (("periodic", crosses, "i8"),))]
     points = np.stack([e.x[e.i], ends], axis=1)[part].reshape(-1, 3)
-    own = [(name, values[part], kind) for name, values, kind in arrays]
+    own = [(name, values[part], kind) for name, values, kind in arrays if values is not None]
     return _file(_note(e), 'CellData Scalars="normal_force"', own, points, 2, _whole(e))
 
 

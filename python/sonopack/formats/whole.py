@@ -69,8 +69,9 @@ def _vector(columns: dict[str, Any], stem: str, dim: int) -> Floats:
 def _links(c: dict[str, Any], dim: int, u: Units) -> Links:
     links = links_of(c["i"], c["j"])
     for field, name, unit in (("overlap", "overlap", u.length), ("fn", "Fn", u.force), ("kn", "kn", u.stiffness),
-                              ("kt", "kt", u.stiffness)):
-        setattr(links, field, np.asarray(c[name], float) / unit)
+                              ("kt", "kt", u.stiffness), ("mu", "mu", 1.0)):
+        if name != "mu" or name in c:
+            setattr(links, field, np.asarray(c[name], float) / unit)
     links.n, links.ft = _vector(c, "n", dim), _vector(c, "Ft", dim) / u.force
     return links
 
@@ -84,7 +85,9 @@ def _build(path: str, whole: _Whole, u: Units, material: Material | None) -> Pac
     usual = usual_stiffness(r, links, wall, float(head["friction"]) if dim > 1 else 0.0, float(head["poisson"]))
     links.kn, links.kt = np.where(usual, 0, links.kn), np.where(usual, 0, links.kt)
     own = np.asarray(whole.grains["mass"], float) / u.mass
-    mass, inertia = not_usual(r, own, 0.4 * own * r * r)
+    turned = whole.grains.get("inertia")  # only where grains are no spheres of one density
+    mass, inertia = not_usual(r, own, 0.4 * own * r * r if turned is None
+                              else np.asarray(turned, float) / (u.mass * u.length**2))
     try:
         return Packing.from_arrays(
             _vector(whole.grains, "", dim)[:, :dim] / u.length, r, contact_table(links),
@@ -117,7 +120,7 @@ def _read_vtp(path: str) -> _Whole:
     grains |= dict(zip("xyz", grains["Points"].reshape(-1, 3).T))
     parts = [vtk.read_arrays(beside(path, suffix))[0] for suffix in ("-contacts.vtp", "-walls.vtp")]
     names: dict[str, tuple[str, str]] = {"i": ("id1",) * 2, "j": ("id2", "wall"), "Fn": ("normal_force",) * 2}
-    names |= {name: (name,) * 2 for name in ("overlap", "kn", "kt")}
+    names |= {name: (name,) * 2 for name in ("overlap", "kn", "kt", "mu") if name != "mu" or all(name in part for part in parts)}
     contacts = {name: np.concatenate([part[own] for part, own in zip(parts, both)]) for name, both in names.items()}
     for stem, name in (("n", "normal"), ("Ft", "tangential_force")):
         vector = np.concatenate([part[name].reshape(-1, 3) for part in parts])

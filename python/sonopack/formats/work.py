@@ -58,6 +58,7 @@ class Links:
     ft: Floats
     kn: Floats
     kt: Floats
+    mu: Floats  #: 0 where it is the packing's friction
 
     def __init__(self, columns: dict[str, Any]) -> None:
         vars(self).update(columns)
@@ -74,7 +75,7 @@ def links_of(i: npt.ArrayLike, j: npt.ArrayLike) -> Links:
     """Contacts of which only the partners are known."""
     count = len(np.asarray(i))
     columns: dict[str, Any] = {name: np.full(count, NAN) for name in ("depth", "overlap", "fn", "kn", "kt")}
-    return Links({"i": np.array(i, np.int64), "j": np.array(j, np.int64), "row": np.full(count, -1), **columns,
+    return Links({"i": np.array(i, np.int64), "j": np.array(j, np.int64), "row": np.full(count, -1), **columns, "mu": np.zeros(count),
                   "n": np.zeros((count, 3)), "ft": np.full((count, 3), NAN)})
 
 
@@ -91,7 +92,7 @@ def known_overlap(links: Links) -> Floats:
 def contact_table(links: Links) -> npt.NDArray[Any]:
     """Contacts as the packing has them."""
     out = np.zeros(len(links), CONTACT)
-    for name in ("i", "j", "n", "overlap", "fn", "ft", "kn", "kt"):
+    for name in ("i", "j", "n", "overlap", "fn", "ft", "kn", "kt", "mu"):
         out[name] = getattr(links, name)
     return out
 

@@ -68,7 +68,8 @@ def write(e: Export) -> bytes:
     (xy, xz, yz), edge = e.tilt, e.frame
     lattice = [n(edge[0]), "0", "0", n(xy), n(edge[1]), "0", n(xz), n(yz), n(edge[2])]
     pbc = " ".join("T" if a < p.dim and e.periodic(a) else "F" for a in range(3))
-    more = ":displacement:R:3" * (e.displacement is not None) + ":rotation:R:3" * (e.rotation is not None)
+    more = ":inertia:R:1" * (e.inertia is not None)
+    more += ":displacement:R:3" * (e.displacement is not None) + ":rotation:R:3" * (e.rotation is not None)
     head = (f'{p.n}\nLattice="{" ".join(lattice)}" pbc="{pbc}" Properties=species:S:1:pos:R:3:id:I:1:radius:R:1:'
             f"mass:R:1:forces:R:3:contacts:I:1:rattler:I:1{more} dimension={p.dim} pressure={n(e.pressure)} "
             f'friction={n(p.friction)} poisson={n(p.poisson)}{e.said} wall={p.wall} units="{e.units.all}"\n')

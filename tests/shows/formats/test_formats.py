@@ -12,7 +12,7 @@ import sonopack
 from sonopack import Material, Packing, SonopackError, formats
 
 GLASS = Material(70e9, 0.22, 2500.0, 1e-3)
-FIELDS = ("i", "j", "n", "overlap", "fn", "ft", "kn", "kt")
+FIELDS = ("i", "j", "n", "overlap", "fn", "ft", "kn", "kt", "mu")
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +36,9 @@ def packings(layer, samples):
                            friction=0.5)
     box = Packing.read(samples / "lammps" / "box_grains.dump", contacts=samples / "lammps" / "box_contacts.dump", friction=0.5)
     chain = Packing.make(sonopack.Scene(packing={"kind": "chain", "dimension": 1, "grains": 8}))
-    return {"layer": layer, "beads": beads, "sheared": sheared, "box": box, "chain": chain}
+    types = {"fraction": [0.5, 0.5], "density": [1, 3], "modulus": [2, 3], "friction": [0.2, 0.4, 0.5]}
+    disks = Packing.make(sonopack.Scene(packing={"grains": 60, "width": 8, "shape": "disk", "types": types}))
+    return {"layer": layer, "beads": beads, "sheared": sheared, "box": box, "chain": chain, "disks": disks}
 
 
 def same(a, b):
@@ -44,6 +46,7 @@ def same(a, b):
     assert (a.dim, a.n, a.cell, a.wall, a.box, a.tilt) == (b.dim, b.n, b.cell, b.wall, b.box, b.tilt)
     assert (a.pressure, a.friction, a.poisson, a.gravity) == (b.pressure, b.friction, b.poisson, b.gravity)
     assert np.array_equal(a.x, b.x) and np.array_equal(a.r, b.r)
+    assert np.array_equal(a.mass, b.mass) and np.array_equal(a.inertia, b.inertia)
     for field in FIELDS:
         assert np.array_equal(a.contacts[field], b.contacts[field]), field
 
@@ -75,7 +78,7 @@ def test_report(layer):
 # ---- round trips ----------------------------------------------------------------------------------------------------
 
 @pytest.mark.parametrize("ending", [".vtp", ".mat", ".csv"])
-@pytest.mark.parametrize("name", ["layer", "beads", "sheared", "box", "chain"])
+@pytest.mark.parametrize("name", ["layer", "beads", "sheared", "box", "chain", "disks"])
 def test_whole_packings_come_back(packings, tmp_path, ending, name):
     packings[name].save(tmp_path / f"p{ending}")
     same(Packing.read(tmp_path / f"p{ending}"), packings[name])
