@@ -84,7 +84,8 @@ static void overview(FILE *out) {
         fprintf(out, "  %-11s %s\n", commands[k].name, commands[k].meaning);
     fputs(
         "\n`sonopack help COMMAND' explains a command, `sonopack help scene' the scene files, `sonopack help KEY' one\n"
-        "of their keys. `sonopack --version' prints the version. Data go to stdout, messages and progress to stderr.\n"
+        "of their keys, or a group. `sonopack --version' prints the version. Data go to stdout, messages and progress\n"
+        "to stderr.\n"
         "Exit status: 0 success, 1 the command failed, 2 wrong usage or scene.\n",
         out);
 }

@@ -22,6 +22,8 @@ def defaults():
         groups.setdefault(group, []).append(f"{key} = {value};")
     pathlib.Path("defaults.cfg").write_text("\n".join(f"{group} = {{ {' '.join(lines)} }};" for group, lines in groups.items()))
     assert summary("defaults.cfg", *SMALL)["height"] == summary(*SMALL)["height"]
+    assert re.findall(r"^packing\.path\.\w+", run("help", "packing.path").stdout, re.M) == [
+        f"packing.path.{key}" for key in ("strain", "turns", "steps", "lateral")]
     assert table("pack", "-o", "q.txt", "--dry-run").words("what")[0] == "packing"  # without any key
 
 

@@ -97,7 +97,7 @@ SP_API char *sp_scene_text(const sp_scene *s, const char *group);
 /* The table of keys as text, for `sonopack help scene`. The caller frees it with sp_free. */
 SP_API char *sp_scene_help(void);
 /* Meaning, unit, range, default, source and an example of one key, "packing.friction", or of every key of a name,
- * "friction"; "" if there is none. The caller frees it with sp_free. NULL: no memory. */
+ * "friction", or of a group, "packing.types"; "" if there is none. The caller frees it with sp_free. NULL: no memory. */
 SP_API char *sp_scene_help_key(const char *word);
 /* The name of key k = 0, 1, ... of scenes, as "packing.kind"; NULL after the last. */
 SP_API const char *sp_scene_key(int k);

@@ -187,9 +187,11 @@ static void put_key(sp_text *t, const sp_scene *s, const sp_field *f) {
     sp_text_add(t, "\n");
 }
 
-/* "friction" is the key of every group that has one of that name. */
+/* "friction" is the key of every group that has one of that name, "packing.types" all keys of this group. */
 static bool means(const sp_field *f, const char *word) {
-    return strcmp(f->key, word) == 0 || strcmp(sp_field_name(f), word) == 0;
+    size_t length = strlen(word);
+    bool group = strncmp(f->key, word, length) == 0 && f->key[length] == '.';
+    return group || strcmp(f->key, word) == 0 || strcmp(sp_field_name(f), word) == 0;
 }
 
 char *sp_scene_help_key(const char *word) {
