@@ -390,7 +390,7 @@ def _sac_text(path: str, text: str) -> Trace:
         header = [read(word) for read, part in ((float, lines[:14]), (int, lines[14:22])) for line in part for word in line.split()]
         values = np.array([float(word) for line in lines[30:] for word in line.split()])
     except ValueError as fault:
-        raise Failed(f"{path}: is no text of SAC: {fault}") from None
+        raise Failed(f"{path}: is neither SAC of version 6 or 7 nor its text: {str(fault).rpartition(': ')[2]:.30} is no number") from None
     if len(header) != 110:
         raise Failed(f"{path}: is no SAC: {len(header)} numbers in the header of 22 lines, must be 110")
     return _sac_series(path, header, "".join(f"{line:24.24}" for line in lines[22:30]), values)
