@@ -96,8 +96,8 @@ SP_API const char *sp_sweep_text(const sp_sweep *sweep, int k, char *buf, size_t
 SP_API char *sp_scene_text(const sp_scene *s, const char *group);
 /* The table of keys as text, for `sonopack help scene`. The caller frees it with sp_free. */
 SP_API char *sp_scene_help(void);
-/* Meaning, unit, range, default, source and an example of one key, "packing.friction", or of every key of a name,
- * "friction", or of a group, "packing.types"; "" if there is none. The caller frees it with sp_free. NULL: no memory. */
+/* Meaning, unit, range, default, source and an example of one key, "packing.friction", or of all keys of a name,
+ * "friction", or group, "packing.types"; "" if there is none. The caller frees it with sp_free. NULL: no memory. */
 SP_API char *sp_scene_help_key(const char *word);
 /* The name of key k = 0, 1, ... of scenes, as "packing.kind"; NULL after the last. */
 SP_API const char *sp_scene_key(int k);
