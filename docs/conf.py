@@ -7,8 +7,6 @@ import shutil
 import subprocess
 import sys
 
-from pygments.lexers.special import TextLexer
-
 HERE = pathlib.Path(__file__).resolve().parent
 BUILD = pathlib.Path(os.environ.get("SONOPACK_BUILD", HERE.parent / "build/release")).resolve()
 PRINTED = HERE / "printed"  # pages that are made here; git does not know them
@@ -81,7 +79,6 @@ def inside(app, name, source):
 
 
 def setup(app):
-    app.add_lexer("lammps", TextLexer)
     app.connect("source-read", inside)
     app.connect("builder-inited", print_pages)
     app.connect("autodoc-process-docstring", plain)
