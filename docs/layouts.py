@@ -104,4 +104,7 @@ def page(program):
     text = "# Datasets and columns\n\n[file-format.md](../file-format.md) says what the letters are.\n"
     for title, rows in parts.items():
         text += f"\n## {title}\n\n" + as_table(["dataset", "type, shape", "unit", "content"], rows)
-    return text + "\n## Tables\n\n" + as_table(["command", "columns"], tables)
+    text += "\n## Tables\n\n" + as_table(["command", "columns"], tables)
+    from sonopack.formats import options
+    roles = [list(row) for row in (options.OF_GRAINS | options.OF_CONTACTS).items() if row[1]]
+    return text + "\n## Columns of other programs\n\n" + as_table(["role", "names"], roles)
