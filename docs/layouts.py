@@ -106,5 +106,5 @@ def page(program):
         text += f"\n## {title}\n\n" + as_table(["dataset", "type, shape", "unit", "content"], rows)
     text += "\n## Tables\n\n" + as_table(["command", "columns"], tables)
     from sonopack.formats import options
-    roles = [list(row) for row in (options.OF_GRAINS | options.OF_CONTACTS).items() if row[1]]
+    roles = [[role, ", ".join(names.split())] for role, names in (options.OF_GRAINS | options.OF_CONTACTS).items() if names]
     return text + "\n## Columns of other programs\n\n" + as_table(["role", "names"], roles)

@@ -53,7 +53,7 @@ def check_layouts(text):
         lacking = [path for path in named if path not in text]
         assert len(named) > 3 and not lacking, lacking
     for row in ("/modes/vector float64 [n - R][G f] 1", "/sonopack/contacts/friction float64 [C] 1",
-                "/particles/grains/box/edges float64 [D] or float64 [D][D] d", "/results/moduli/c66 float64 E*", "radius radius r R rad Radius"):
+                "/particles/grains/box/edges float64 [D] or float64 [D][D] d", "/results/moduli/c66 float64 E*", "radius radius, r, R, rad, Radius"):
         assert row in text, row
 
 
