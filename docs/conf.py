@@ -7,12 +7,12 @@ import shutil
 import subprocess
 import sys
 
-from pygments.lexers.special import TextLexer
-
 HERE = pathlib.Path(__file__).resolve().parent
 BUILD = pathlib.Path(os.environ.get("SONOPACK_BUILD", HERE.parent / "build/release")).resolve()
 PRINTED = HERE / "printed"  # pages that are made here; git does not know them
-sys.path.insert(0, str(BUILD / "python"))
+sys.path[:0] = [str(BUILD / "python"), str(HERE)]
+
+import layouts
 
 project = "sonopack"
 author = copyright = "the sonopack authors"
@@ -42,7 +42,7 @@ def command(*words):
 
 
 def print_pages(app):
-    """The reference of commands and keys, as the program tells them."""
+    """The reference of commands, keys, datasets and columns, as the program tells them."""
     shutil.rmtree(PRINTED, ignore_errors=True)
     PRINTED.mkdir()
     names = re.findall(r"^  ([a-z]+) ", command("help"), re.M)
@@ -52,6 +52,7 @@ def print_pages(app):
     for key in re.findall(r"^([\w.]+\.\w+) = ", command("help", "scene"), re.M):
         groups.setdefault(key.split(".")[0], []).append(f"```text\n{command('help', key).rstrip()}\n```\n")
     pages["keys"] = "# Keys of scenes\n\n" + "\n".join(f"## {group}\n\n" + "\n".join(all) for group, all in groups.items())
+    pages["layouts"] = layouts.page(BUILD / "sonopack")
     for name, text in pages.items():
         (PRINTED / f"{name}.md").write_text(text)
     if shutil.which("doxygen"):
@@ -78,7 +79,6 @@ def inside(app, name, source):
 
 
 def setup(app):
-    app.add_lexer("lammps", TextLexer)
     app.connect("source-read", inside)
     app.connect("builder-inited", print_pages)
     app.connect("autodoc-process-docstring", plain)

@@ -1,9 +1,8 @@
-"""LAMMPS reads the data files of `sonopack convert`, and finds our normal forces to 1e-10 by the deck of docs/formats.md.
+"""LAMMPS reads the data files of `sonopack convert`, and finds our normal forces to 1e-10 by the deck lammps_forces.in.
 
 usage: test_export_lammps.py COMMAND SOURCE_DIR
 """
 import pathlib
-import re
 import shutil
 import subprocess
 import sys
@@ -21,12 +20,12 @@ import numpy as np
 sys.path.insert(0, str(SOURCE / "tests" / "cli"))
 from cells import box_of_disks, lattice, write_packing  # noqa: E402
 
-DECKS = re.findall(r"```lammps\n(.*?)```", (SOURCE / "docs/formats.md").read_text(), re.S)
-SIDES = DECKS[1]
-CASES = [("2D, rigid walls", "y", "2", {"grains": 200, "width": 12}),
-         ("3D, rigid walls", "z", "2", {"dimension": 3, "grains": 200, "width": 6, "depth": 5}),
-         ("3D, nu = 0.3", "z", "2", {"dimension": 3, "grains": 150, "width": 5, "depth": 5, "poisson": 0.3}),
-         ("chain, walls like grains", "x", "0.70710678118654757", {"kind": '"chain"', "dimension": 1, "grains": 10})]
+DECK = SOURCE / "share/sonopack/lammps_forces.in"
+CASES = [("2D, rigid walls", "y", "2", {"grains": 200, "width": 12}, "piston"),
+         ("3D, box", "z", "2", {"dimension": 3, "grains": 300, "cell": "box", "protocol": "quick"}, "box"),
+         ("3D, rigid walls", "z", "2", {"dimension": 3, "grains": 200, "width": 6, "depth": 5}, "piston"),
+         ("3D, nu = 0.3", "z", "2", {"dimension": 3, "grains": 150, "width": 5, "depth": 5, "poisson": 0.3}, "piston"),
+         ("chain, walls like grains", "x", "0.70710678118654757", {"kind": '"chain"', "dimension": 1, "grains": 10}, "piston")]
 
 
 def run(folder, *words):
@@ -38,30 +37,18 @@ def rows(path):
     return np.array([line.split() for line in path.read_text().split("\n")[9:-1]], float)
 
 
-def cell_deck(deck, packing):
-    """The deck for other cells than under a piston, changed as the page says."""
-    dim, periodic = packing["dim"], packing["cell"] == "periodic"
-    deck = re.sub(r"^if .*\n", "", deck, flags=re.M)
-    boundary = "p p p" if periodic else "f f f" if dim == 3 else "f f p"
-    deck = deck.replace("newton ", f"dimension   {dim}\nboundary    {boundary}\nnewton ", 1)
-    if periodic:
-        return re.sub(r"^fix         walls .*\n", "", deck, flags=re.M)
-    return deck.replace("neighbor ", SIDES + "neighbor ", 1)
-
-
-def compare_cell(name, packing, deck, folder):
+def compare_cell(name, packing, folder):
     write_packing(folder / "P.h5", packing)
-    (folder / "in.forces").write_text(cell_deck(deck, packing))
-    compare(name, "y" if packing["dim"] == 2 else "z", "2", None, folder)
+    compare(name, "y" if packing["dim"] == 2 else "z", "2", None, packing["cell"], folder)
 
 
-def compare(name, up, modulus, keys, folder):
+def compare(name, up, modulus, keys, cell, folder):
     words = [word for key, value in (keys or {}).items() for word in ("--set", f"packing.{key}={value}")]
     if keys is not None:
         run(folder, COMMAND, "pack", "--quiet", *words, "-o", "P.h5")
     run(folder, COMMAND, "convert", "P.h5", "P.data")
-    run(folder, LAMMPS, "-nocite", "-log", "none", "-in", "in.forces", "-var", "file", "P.data", "-var", "up", up, "-var",
-        "modulus", modulus)
+    run(folder, LAMMPS, "-nocite", "-log", "none", "-in", DECK, "-var", "file", "P.data", "-var", "up", up, "-var",
+        "modulus", modulus, "-var", "cell", cell)
     with h5py.File(folder / "P.h5") as f:
         pairs = f["connectivity/contacts"][:]
         walls = f["sonopack/walls/contacts"][:] if "sonopack/walls" in f else np.zeros((0, 2), int)
@@ -85,16 +72,13 @@ def compare(name, up, modulus, keys, folder):
 
 
 def main():
-    deck = DECKS[0]
     for case in CASES:
         with tempfile.TemporaryDirectory(prefix="sonopack-lammps-") as name:
-            folder = pathlib.Path(name)
-            (folder / "in.forces").write_text(deck)
-            compare(*case, folder)
+            compare(*case, pathlib.Path(name))
     for name, packing in (("2D, tilted", lattice(2, 0.3)), ("3D, sheared", lattice(3, 0.2, cells=4)),
                           ("2D, box", box_of_disks())):
         with tempfile.TemporaryDirectory(prefix="sonopack-lammps-") as scratch:
-            compare_cell(name, packing, deck, pathlib.Path(scratch))
+            compare_cell(name, packing, pathlib.Path(scratch))
 
 
 main()

@@ -40,8 +40,21 @@ def check_pages(site):
     commands = pages[site / "printed/commands.html"]
     assert all(f'id="{name}"' in commands for name in ("pack", "signal", "modes", "moduli", "trace"))
     assert "packing.types.friction" in pages[site / "printed/keys.html"]
+    check_layouts(" ".join(re.sub("<[^>]*>", " ", pages[site / "printed/layouts.html"]).split()))
     assert "sonopack.Packing.from_arrays" in pages[site / "api/python.html"]
     assert (site / "searchindex.js").stat().st_size > 10000 and list(site.glob("_static/fonts/*.woff2"))
+
+
+def check_layouts(text):
+    """Every dataset that a source names is on the page, and the shapes and units are those of the files."""
+    for name in ("packing", "modes", "sample"):
+        source = (SOURCE / f"src/study/store/{name}_h5.c").read_text()
+        named = set(re.findall(r'"(/(?:particles|connectivity|sonopack|modes|results|signal)/[/\w]*\w)"', source))
+        lacking = [path for path in named if path not in text]
+        assert len(named) > 3 and not lacking, lacking
+    for row in ("/modes/vector float64 [n - R][G f] 1", "/sonopack/contacts/friction float64 [C] 1",
+                "/particles/grains/box/edges float64 [D] or float64 [D][D] d", "/results/moduli/c66 float64 E*", "radius radius, r, R, rad, Radius"):
+        assert row in text, row
 
 
 def check_spelling():

@@ -97,12 +97,12 @@ def keys_of(values: Mapping[str, Any]) -> dict[str, Any]:
 
 # ---- columns --------------------------------------------------------------------------------------------------------
 
-_OF_GRAINS = {
+OF_GRAINS = {
     "id": "id ID Id c_sp_wall[3]", "type": "type matId species info mol element", "x": "x xu xs xsu X",
     "y": "y yu ys ysu Y", "z": "z zu zs zsu Z", "radius": "radius r R rad Radius", "diameter": "diameter d D",
     "mass": "mass m masses", "inertia": "inertia", "density": "density", "boundary": "boundary",
     **{side: "" for side in (*SIDES, *RINGS)}}
-_OF_CONTACTS = {
+OF_CONTACTS = {
     "id1": "id1 i patom1 c_sp_id[1] c_sp_gran[1]", "id2": "id2 j patom2 c_sp_id[2] c_sp_gran[2]",
     "overlap": "overlap penetrationDepth c_sp_gran[13]", "fn": "fn Fn force c_sp_contact[2]", "ft": "ft Ft",
     "ft_x": "ft_x Ftx p1 c_sp_contact[3] c_sp_gran[10]", "ft_y": "ft_y Fty p2 c_sp_contact[4] c_sp_gran[11]",
@@ -111,7 +111,7 @@ _OF_CONTACTS = {
     "f_y": "f_y c_sp_wall[5]", "f_z": "f_z c_sp_wall[6]", "p_x": "p_x", "p_y": "p_y", "p_z": "p_z", "kn": "kn",
     "kt": "kt ks"}
 #: the names that programs give to their columns; sp_id, sp_contact and sp_gran are the computes of share/sonopack
-_USUAL = _OF_GRAINS | _OF_CONTACTS
+_USUAL = OF_GRAINS | OF_CONTACTS
 
 #: a column of a sheet and the sign that its numbers get
 Column = tuple[int, float]
@@ -169,6 +169,6 @@ class Roles:
         """Refuses roles of the option that no sheet has."""
         for role, (name, _) in self.named.items():
             if role not in self.used and role not in (*SIDES, *RINGS):
-                sheet = contacts if contacts is not None and role in _OF_CONTACTS else grains
+                sheet = contacts if contacts is not None and role in OF_CONTACTS else grains
                 raise bad_option(f"--columns {role}={name}: {sheet.file} has no such column; its columns are: "
                                  f"{sheet.listed()}")
