@@ -1,5 +1,6 @@
 """The pages of docs/gallery: their commands run and make their picture, and print the numbers that the pages tell; the
-pages are short and linked in a chain that the index follows. The pages of docs/literature, recipes.md and faq.md run too.
+pages are short and linked in a chain that the index follows. The pages of docs/literature, tutorial.md, recipes.md and faq.md run
+too.
 
 usage: test_gallery.py COMMAND SOURCE_DIR [--pictures]
 
@@ -26,7 +27,7 @@ from test_readme import COMMAND, SOURCE, console_commands, run_page
 
 FOLDER = SOURCE / "docs/gallery"
 PAGES = sorted(FOLDER.glob("[0-9][0-9]-*.md"))
-WORDS = ["docs/recipes.md", "docs/faq.md"] + [
+WORDS = ["docs/tutorial.md", "docs/recipes.md", "docs/faq.md"] + [
     f"docs/literature/{page.name}" for page in sorted(SOURCE.glob("docs/literature/[a-z]*.md"))]
 LARGEST = 60000  # bytes of a picture
 COMMENT = re.compile(r"<!-- check: (.+?)\s-->", re.S)

@@ -137,7 +137,7 @@ static const struct example {
     {"signal.tolerance", "1e-6", "physics.md, The signal"},
     {"signal.planes", "[8, 12, 16]", "none: only study.want with planes needs it"},
     {"study.samples", "30", "none; Somfai et al. 2005 have 30"},
-    {"study.want", "[\"ctof\", \"moduli\"]", "guide.md: the speed of the front"},
+    {"study.want", "[\"ctof\", \"moduli\"]", "tutorial.md: the speed of the front"},
     {"study.sweep", "( { key = \"packing.pressure\"; values = [1e-7, 1e-4]; } )", "none: one combination"},
     {"column.particles", "10", "physics.md, The tapped column"},
     {"column.frequency", "10", "Blackmore et al. 2011"},

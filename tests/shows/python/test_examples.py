@@ -120,11 +120,23 @@ def test_page():
     assert abs(layer.pressure / beads.pressure - 1) < 1e-12 and layer.material == beads.material, "pressure in SI"
     if DRAWS:
         assert all(pathlib.Path(name).stat().st_size > 1000 for name in ("front.png", "mode.png")), "figures"
-    check_recipes(space["read"])
+    check_recipes(recipe())
+
+
+def recipe():
+    """The function `read` of docs/recipes.md, and tables for it."""
+    for words in ("signal P.h5 -o signal.tsv", "signal P.h5 -o signal.csv", "statics P.h5 -o statics.tsv",
+                  "modes P.h5 -o modes.tsv", "front P.h5 -o front.tsv"):
+        subprocess.run([COMMAND, *words.split(), "-q"], check=True)
+    space = {}
+    script = re.search(r"^```python read_numpy.py\n(.*?)^```", (SOURCE / "docs/recipes.md").read_text(), re.S | re.M)
+    with contextlib.redirect_stdout(io.StringIO()):
+        exec(script[1], space)
+    return space["read"]
 
 
 def check_recipes(read):
-    """What the page says of tables: bits of numpy and of pandas, and the form that alone does not work."""
+    """What recipes.md says of tables: bits of numpy and of pandas, and the form that alone does not work."""
     import sonopack
     for name in ("signal", "modes"):
         table, array = sonopack.Table.read(f"{name}.tsv"), read(f"{name}.tsv")
