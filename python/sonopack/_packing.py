@@ -15,7 +15,7 @@ from ._core import Floats, Path, c_path, call, documented
 from ._native import ffi, lib
 from ._network import Network
 from ._records import (AmplitudeFront, AmplitudeHarmonics, AmplitudePlane, AmplitudeSecond, Audit, Front, Material,
-                       PackProgress, Statics)
+                       PackProgress, RingStatics, Statics)
 from ._watch import Watch
 
 BOTTOM = int(lib.SP_BOTTOM)
@@ -299,6 +299,13 @@ class Packing(_core.Drawn, _fields.Packing):
         out = ffi.new("sp_statics *")
         call(lib.sp_statics_make, self._c, threshold, margin, out)
         return _core.record(Statics, out, self.material)
+
+    @documented("sp_ring_statics_make")
+    def ring_statics(self, threshold: float = 1e-4) -> RingStatics:
+        """Stresses of a packing between two rings, on polar axes, and at the rings."""
+        out = ffi.new("sp_ring_statics *")
+        call(lib.sp_ring_statics_make, self._c, threshold, out)
+        return _core.record(RingStatics, out, self.material)
 
     @documented("sp_packing_rattlers")
     def rattlers(self, threshold: float = 1e-4) -> npt.NDArray[np.bool_]:
