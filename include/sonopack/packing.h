@@ -61,6 +61,8 @@ SP_API sp_status sp_material_read(const char *text, sp_material *out, sp_error *
 enum { SP_MATERIAL_TEXT = 160 };
 SP_API char *sp_material_text(const sp_material *m, char text[SP_MATERIAL_TEXT]);
 
+enum { SP_SERIES_STRAINS = 6 };
+
 typedef struct sp_packing {
     int dim;   /* 1, 2 or 3 */
     int32_t n; /* number of grains */
@@ -89,6 +91,10 @@ typedef struct sp_packing {
     double residual;      /* largest elastic acceleration (angular: times R) at the end [E* / (rho d)] */
     double seconds;       /* CPU time of the compression [s]; not saved, so that equal packings give equal files */
     char *scene;          /* complete scene as text (sp_scene_text) */
+    double frame; /* number or time step in the series of packings that this one is of; NAN: it is of none. Then: */
+    double
+        strain[SP_SERIES_STRAINS]; /* of its cell since the first: xx, yy, zz, yz, xz, xy; compression positive, the
+                                      normal ones logarithmic; NAN on axes that do not exist, and of shear with walls */
 } sp_packing;
 
 /* Returns an empty packing, which is safe to free. */
