@@ -94,17 +94,17 @@ static sp_status make_springs(const sp_packing *p, const sp_network_options *opt
     return status;
 }
 
-/* How far the normal of a spring turns for a unit of transverse displacement, in the plane of its sense: 1/r between
- * grains, 0 at a flat wall. A ring turns it by 1/r with the grain's distance r from its centre: the inner one as a
- * grain that is fixed there does, the outer one, which is hollow, the other way. */
-static double turn_of(const sp_packing *p, const sp_network *net, int32_t k) {
+/* The normal of a spring turns by the transverse displacement over this radius: the distance of the grains; at a flat
+ * wall, whose normal is fixed, infinity; at a ring the distance of the grain from its centre, about which the inner one
+ * turns the normal as a fixed grain would, and the outer one, which is hollow, the other way: negative. */
+static double radius_of(const sp_packing *p, const sp_network *net, int32_t k) {
     const sp_spring *s = &net->springs[k];
     if (s->j >= 0)
-        return 1 / net->length[k];
+        return net->length[k];
     if (p->cell != SP_CELL_RING)
-        return 0;
+        return INFINITY;
     const double level = sp_ring_level(p->box, net->x + 3 * (int64_t)s->i);
-    return -sp_packing_wall_side(s->j) / (level + 0.5 * p->box[0] - p->box[1]);
+    return -sp_packing_wall_side(s->j) * (level + 0.5 * p->box[0] - p->box[1]);
 }
 
 /* Keeps the tangential forces if any is not 0. They are projected again, because a text file has few digits. */
@@ -117,7 +117,7 @@ static sp_status make_carried(const sp_packing *p, sp_network *net, sp_error *er
         const sp_spring *s = &net->springs[k];
         const double *ft = p->contacts[s->contact].ft;
         sp_carried *held = &net->carried[k];
-        held->turn = turn_of(p, net, k);
+        held->turn = 1 / radius_of(p, net, k);
         const double off = dot3(ft, s->n);
         for (int a = 0; a < net->dim; a++) {
             held->ft[a] = ft[a] - off * s->n[a];
@@ -136,7 +136,7 @@ static sp_status make_carried(const sp_packing *p, sp_network *net, sp_error *er
 static sp_status make_forces(const sp_packing *p, sp_network *net, sp_error *err) {
     const int32_t turning = p->cell == SP_CELL_RING ? net->n_springs : net->n_bulk;
     for (int32_t k = 0; k < turning && net->dim > 1; k++) {
-        net->springs[k].kp = -p->contacts[net->springs[k].contact].fn * turn_of(p, net, k);
+        net->springs[k].kp = -p->contacts[net->springs[k].contact].fn / radius_of(p, net, k);
         net->prestress = true;
     }
     return net->dof > net->dim ? make_carried(p, net, err) : SP_OK;
