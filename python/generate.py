@@ -36,7 +36,7 @@ char *strdup(const char *text);
 INPUTS = re.compile(r"_(options|spec|range|place|hooks|pulse|probe|watcher|made|counts|entry|column|sweep|error|chain|value|errors|store_check|finding)$")
 
 # Structs that objects own, and what of them is no member: parts that the object gives in another way.
-OWNED = {"sp_packing": "n_contacts mass inertia species box tilt", "sp_modes": "dofs vectors factors solves", "sp_damped_modes": "",
+OWNED = {"sp_packing": "n_contacts mass inertia species box tilt strain", "sp_modes": "dofs vectors factors solves", "sp_damped_modes": "",
          "sp_complex_modes": "dofs right right_im left left_im", "sp_response": "", "sp_local_moduli": "", "sp_clusters": "",
          "sp_network": "n_all rattlers n_springs box prestress omega_bound carried skew soft tilt", "sp_signal": "",
          "sp_dos": "", "sp_transmission": "", "sp_dispersion": "", "sp_harmonic": "refused reason", "sp_continuum": "",

@@ -118,6 +118,24 @@ SP_API sp_local_moduli sp_local_moduli_none(void);
 SP_API sp_status sp_local_moduli_make(const sp_network *net, double width, sp_local_moduli *out, sp_error *err);
 SP_API void sp_local_moduli_free(sp_local_moduli *m);
 
+/* ---- between two rings ------------------------------------------------------------------------------------------- */
+
+/* Moduli of the elastic annulus, in the plane, that answers like a packing between two rings. The inner ring grows by a
+ * small part of its radius a, and the outer one, of radius b, stays: by Lame's solution the pressures on them rise by
+ * 2 (K + G b^2/a^2)/(b^2/a^2 - 1) and 2 (K + G)/(b^2/a^2 - 1) times this part. Or it turns by a small angle: its torque
+ * is 4 pi a^2 G/(1 - a^2/b^2) times the angle. Layers of grains at the rings take part, so that K and G differ from
+ * those of the material by a part of about d/a and d/(b - a). */
+typedef struct sp_ring_moduli {
+    double p_inner, p_outer; /* pressure on the rings over the growth of the inner one [E*] */
+    double torque;           /* over the angle; 0 if smooth grains or rings let it turn freely [E* d^2] */
+    double bulk, shear;      /* K and G by the growth [E*] */
+    double shear_turn;       /* G by the torque; NAN where nothing resists it [E*] */
+    double error_bulk, error_shear, error_shear_turn; /* bounds [E*] */
+    double residual;                                  /* largest relative residual of the solves */
+} sp_ring_moduli;
+/* One sparse factorization. SP_EREFUSED in other cells, and as sp_moduli_make. */
+SP_API sp_status sp_ring_moduli_make(const sp_network *net, sp_ring_moduli *out, sp_error *err);
+
 /* ---- response to a load ------------------------------------------------------------------------------------------ */
 
 typedef enum sp_load_kind {

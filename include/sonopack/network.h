@@ -40,7 +40,7 @@ typedef struct sp_spring {
     int32_t contact; /* its index in the packing */
     double n[3];     /* unit normal from i to j */
     double kn, kt;   /* normal stiffness; tangential stiffness [E* d] */
-    double kp;       /* transverse stiffness of the prestress, -F_n / r, 0 without prestress [E* d] */
+    double kp;       /* transverse stiffness of the prestress, -F_n x sp_carried.turn, 0 without prestress [E* d] */
     double ri, rj;   /* lever arms: the radii; rj = 0 for a rigid wall [d] */
 } sp_spring;
 
@@ -48,7 +48,8 @@ typedef struct sp_spring {
  * displacement over r, and in 3D the force also turns about the normal by half the sum of the grains' rotations. */
 typedef struct sp_carried {
     double ft[3]; /* force on i [E* d^2] */
-    double turn;  /* 1/r; 0 at a wall, whose normal is fixed [1/d] */
+    double turn;  /* 1/r; 0 at a flat wall, whose normal is fixed; 1/r at an inner ring, -1/r at an outer one, with the
+                     distance r from its centre [1/d] */
 } sp_carried;
 
 /* A network. Degrees of freedom per grain: 1 in 1D; 3 in 2D (x, y, angle), or 2 without friction; 6 in 3D, or 3.

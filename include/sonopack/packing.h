@@ -61,6 +61,8 @@ SP_API sp_status sp_material_read(const char *text, sp_material *out, sp_error *
 enum { SP_MATERIAL_TEXT = 160 };
 SP_API char *sp_material_text(const sp_material *m, char text[SP_MATERIAL_TEXT]);
 
+enum { SP_SERIES_STRAINS = 6 };
+
 typedef struct sp_packing {
     int dim;   /* 1, 2 or 3 */
     int32_t n; /* number of grains */
@@ -89,6 +91,10 @@ typedef struct sp_packing {
     double residual;      /* largest elastic acceleration (angular: times R) at the end [E* / (rho d)] */
     double seconds;       /* CPU time of the compression [s]; not saved, so that equal packings give equal files */
     char *scene;          /* complete scene as text (sp_scene_text) */
+    double frame; /* number or time step in the series of packings that this one is of; NAN: it is of none. Then: */
+    double
+        strain[SP_SERIES_STRAINS]; /* of its cell since the first: xx, yy, zz, yz, xz, xy; compression positive, the
+                                      normal ones logarithmic; NAN on axes that do not exist, and of shear with walls */
 } sp_packing;
 
 /* Returns an empty packing, which is safe to free. */
@@ -185,12 +191,25 @@ typedef struct sp_statics {
                  compression. NAN on axes that the packing does not have [E*] */
 } sp_statics;
 
+/* In a ring vertical means along the radius, horizontal along circles, and +x clockwise; s_xx .. s_xy keep the axes. */
 SP_API sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err);
 /* Mass over volume of the grains that are no rattlers [rho], in the same bulk: the density that long waves feel. For
  * spheres of unit density it is phi3s. NAN if the bulk is empty. SP_ENOMEM. */
 SP_API sp_status sp_packing_density(const sp_packing *p, double threshold, double margin, double *out, sp_error *err);
 /* The same where the rattlers are known: rattler [n], or NULL if none is one. Reads no contacts. */
 SP_API double sp_packing_density_of(const sp_packing *p, const uint8_t *rattler, double margin);
+
+/* Stresses of a packing between two rings, from all carrying contacts. r is the radius, t leads along circles,
+ * counterclockwise. In equilibrium p_outer b^2 - p_inner a^2 = (s_rr + s_tt)(b^2 - a^2)/2 and t_outer b^2 = t_inner a^2
+ * for rings of the radii a and b. */
+typedef struct sp_ring_statics {
+    double p_inner, p_outer; /* normal force on the inner and the outer ring over its circumference [E*] */
+    double t_inner, t_outer; /* tangential force along t, of what is inside of a ring on what is outside, over its
+                                circumference [E*] */
+    double s_rr, s_tt, s_rt; /* mean stress of the packing, positive in compression [E*] */
+} sp_ring_statics;
+/* SP_EREFUSED in other cells, SP_ENOMEM. */
+SP_API sp_status sp_ring_statics_make(const sp_packing *p, double threshold, sp_ring_statics *out, sp_error *err);
 
 /* ---- compression -------------------------------------------------------------------------------------------- */
 

@@ -26,8 +26,8 @@ from ._packing import BACK, BOTTOM, CONTACT, FRONT, LEFT, RIGHT, TOP, Packing
 from ._place import Place
 from ._records import (AmplitudeEnergy, AmplitudeFront, AmplitudeHarmonics, AmplitudeNumber, AmplitudePlane,
                        AmplitudeSecond, Audit, CoherentWave, Energy, FiniteStrain, FreePath, Front, Kubo, Material,
-                       Moduli, PackProgress, ParticipationBin, ProbeModuli, Solitary, Split, Spread, Stability, Statics,
-                       StudyProgress, TappedTap, ZeroModes)
+                       Moduli, PackProgress, ParticipationBin, ProbeModuli, RingModuli, RingStatics, Solitary, Split,
+                       Spread, Stability, Statics, StudyProgress, TappedTap, ZeroModes)
 from ._scene import Scene, scene_help
 from ._sensitivity import Gradient
 from ._signal import Pulse, Signal, front, signal_window
@@ -45,8 +45,8 @@ __all__ = [
     "DensityOfStates", "Design", "Dispersion", "ENERGY", "Energy", "FLUX", "FRONT", "FileError", "FiniteStrain",
     "FreePath", "Front", "Gradient", "Harmonic", "Interrupted", "InvalidInput", "Kubo", "LEFT", "LocalModuli",
     "Material", "Modes", "Moduli", "Network", "NoMemory", "PackProgress", "Packing", "ParticipationBin", "Place",
-    "PowerLaw", "ProbeModuli", "Pulse", "RIGHT", "Refused", "Response", "SPRING", "Sample", "Scene", "Signal",
-    "SoftModes", "Solitary", "SonopackError", "Split", "Spread", "Stability", "Statics", "Status", "Store",
+    "PowerLaw", "ProbeModuli", "Pulse", "RIGHT", "Refused", "Response", "RingModuli", "RingStatics", "SPRING", "Sample",
+    "Scene", "Signal", "SoftModes", "Solitary", "SonopackError", "Split", "Spread", "Stability", "Statics", "Status", "Store",
     "StudyProgress", "TOP", "Table", "TappedTap", "Transmission", "Uncertain", "Uncertainty", "WAVE_FIT", "WaveSection",
     "ZeroModes", "design", "free_path", "front", "ioffe_regel", "power_law", "quantity", "scene_help", "signal_window",
     "soft_modes", "solitary", "study", "uncertainty",

@@ -277,6 +277,13 @@ class Network(_fields.Network):
         numbers = [getattr(out, field.name) for field in dataclasses.fields(Elasticity)[2:]]
         return _core.with_material(Elasticity(c, error, *numbers), self.packing.material)
 
+    @documented("sp_ring_moduli_make")
+    def ring_moduli(self) -> _records.RingModuli:
+        """Moduli by what two rings feel when the inner one grows or turns."""
+        out = ffi.new("sp_ring_moduli *")
+        call(lib.sp_ring_moduli_make, self._c, out)
+        return _core.record(_records.RingModuli, out, self.packing.material)
+
     @documented("sp_local_moduli_make")
     def local_moduli(self, width: float) -> LocalModuli:
         """Moduli of parts that are about this wide, for a strain of the whole."""

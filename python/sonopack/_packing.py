@@ -15,7 +15,7 @@ from ._core import Floats, Path, c_path, call, documented
 from ._native import ffi, lib
 from ._network import Network
 from ._records import (AmplitudeFront, AmplitudeHarmonics, AmplitudePlane, AmplitudeSecond, Audit, Front, Material,
-                       PackProgress, Statics)
+                       PackProgress, RingStatics, Statics)
 from ._watch import Watch
 
 BOTTOM = int(lib.SP_BOTTOM)
@@ -249,6 +249,18 @@ class Packing(_core.Drawn, _fields.Packing):
         return self._c.tilt[0], self._c.tilt[1], self._c.tilt[2]
 
     @property
+    def strain(self) -> dict[str, float]:
+        """Strain of the cell since the first packing of the series (see frame), compression positive: e_xx, e_yy, ..."""
+        return {name: value for name, value in zip(STRAINS, self._c.strain) if not math.isnan(value)}
+
+    def set_series(self, frame: float, strain: Mapping[str, float]) -> None:
+        """Gives the packing a place in a series: the number of its frame, or its time, and the strain of its cell, such as
+        {"e_yy": 0.01}. Files keep them, and tables of commands have them as columns."""
+        _core.set_fields(self._c, {"frame": float(frame)})
+        for axis, name in enumerate(STRAINS):
+            self._c.strain[axis] = strain.get(name, math.nan)
+
+    @property
     def species(self) -> npt.NDArray[np.int32] | None:
         """Material of each grain [n], from 0; None for one material."""
         return None if self._c.species == ffi.NULL else _core.view(self._c, self._c.species, (self.n,))
@@ -299,6 +311,13 @@ class Packing(_core.Drawn, _fields.Packing):
         out = ffi.new("sp_statics *")
         call(lib.sp_statics_make, self._c, threshold, margin, out)
         return _core.record(Statics, out, self.material)
+
+    @documented("sp_ring_statics_make")
+    def ring_statics(self, threshold: float = 1e-4) -> RingStatics:
+        """Stresses of a packing between two rings, on polar axes, and at the rings."""
+        out = ffi.new("sp_ring_statics *")
+        call(lib.sp_ring_statics_make, self._c, threshold, out)
+        return _core.record(RingStatics, out, self.material)
 
     @documented("sp_packing_rattlers")
     def rattlers(self, threshold: float = 1e-4) -> npt.NDArray[np.bool_]:
@@ -380,7 +399,11 @@ class Packing(_core.Drawn, _fields.Packing):
                   for name in ("cell", "gravity", "pressure", "friction", "poisson", "wall", "seed", "steps", "residual", "seconds")}
         masses = tuple(None if of is None else np.array(of) for of in self._masses())
         return _restored, (self.dim, np.array(self.x), np.array(self.r), np.array(self.contacts), masses,
-                           list(self._c.box) + list(self._c.tilt), self.material, values, self.scene)
+                           list(self._c.box) + list(self._c.tilt), self.material, values, self.scene, (self.frame, self.strain))
+
+
+#: names of the strains of a series
+STRAINS = ("e_xx", "e_yy", "e_zz", "e_yz", "e_xz", "e_xy")
 
 
 def _none() -> Any:
@@ -417,7 +440,8 @@ def _set_material(out: Any, material: Material) -> None:
 
 
 def _restored(dim: int, x: Any, r: Any, contacts: Any, masses: tuple[Any, ...], box: list[float], material: Material,
-              values: dict[str, Any], scene: str) -> Packing:
+              values: dict[str, Any], scene: str,
+              series: tuple[float, dict[str, float]] = (math.nan, {})) -> Packing:
     out = _none()
     call(lib.sp_packing_alloc, out, dim, len(r), len(contacts))
     _fill(out, x, r, contacts)
@@ -429,7 +453,9 @@ def _restored(dim: int, x: Any, r: Any, contacts: Any, masses: tuple[Any, ...], 
     if scene:
         parsed = _scene.Scene.parse(scene)
         out.scene = lib.sp_scene_text(parsed._c, b"packing")
-    return Packing(out)
+    made = Packing(out)
+    made.set_series(*series)
+    return made
 
 
 def _axes(values: npt.ArrayLike, count: int, dim: int, key: str) -> npt.NDArray[np.float64]:

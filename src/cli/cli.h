@@ -261,8 +261,10 @@ enum { CLI_CELLS_MAX = 64 };
 typedef struct cli_writer {
     sp_table *table;
     sp_error *err;
-    sp_status status; /* SP_OK at the start */
-    int cells;        /* of the row that is being made */
+    sp_status status;     /* SP_OK at the start */
+    const sp_packing *of; /* the packing of the rows, whose place in a series each row of a table of files ends with; or
+                             NULL */
+    int cells;            /* of the row that is being made */
     sp_entry cell[CLI_CELLS_MAX];
 } cli_writer;
 
@@ -285,6 +287,8 @@ void cli_put_numbers(cli_writer *w, int n, const double *number);
 void cli_put_text(cli_writer *w, const char *text);
 void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbols, const void *of);
 void cli_end_row(cli_writer *w);
+/* Whether the table has the place of each packing in a series. */
+bool cli_has_series(const sp_table *t);
 /* A whole row, as sp_table_add_row takes it. Returns the status. */
 sp_status cli_row(cli_writer *w, ...);
 

@@ -70,6 +70,7 @@ static sp_status check_file(void *user, cli_file *file, cli_writer *w) {
         sp_fail(&fault, SP_EFAILED, "%s%s%s", named ? "" : path, named ? "" : ": ", reason);
         cli_fail(&fault);
     }
+    cli_keep_series(&p, file);
     sp_packing_free(&p);
     return cli_row(w, path, file->failed ? "no" : "yes", residual, file->failed ? reason : "-", audit.force_residual,
                    audit.torque_residual, audit.wall_residual, audit.law_residual, audit.geometry_residual,

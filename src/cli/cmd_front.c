@@ -134,13 +134,14 @@ typedef struct arrival {
 
 /* ---- packings ---------------------------------------------------------------------------------------------------- */
 
-static sp_status packing_front(arguments *a, const cli_file *file, arrival *out, sp_error *err) {
+static sp_status packing_front(arguments *a, cli_file *file, arrival *out, sp_error *err) {
     sp_packing p;
     sp_network net;
     sp_status status = cli_read_network(file->path, &file->scene->network, &p, &net, err);
     CLI_THEN(status, cli_take_material(a, &p.material, file->path, err));
     if (status == SP_OK) {
         cli_warn_packing(&a->common, file->path, &p, &net);
+        cli_keep_series(&p, file);
         *out = (arrival){.distance = sp_packing_height(&p), .length = "d", .force = "E* d^2"};
         snprintf(out->time, sizeof out->time, "%s", time_unit);
         double window = 0;
@@ -284,7 +285,7 @@ static sp_status add_columns(void *user, cli_writer *w) {
 /* Merges the units of the last row into the columns. A column keeps a unit that all of its rows have. */
 static void merge_units(sp_table *t, const arrival *m) {
     const char *const unit[] = {"", m->length, m->time, m->time, m->time, m->force, m->time};
-    for (int c = 1; c < t->columns; c++) {
+    for (int c = 1; c < (int)(sizeof unit / sizeof *unit); c++) {
         char *common = t->column[c].unit;
         if (t->rows == 1)
             snprintf(common, sizeof t->column[c].unit, "%s", unit[c]);

@@ -13,7 +13,8 @@ enum { PROBES_MAX = 64 };
 typedef struct probe {
     const char *text; /* as it was given */
     bool global;      /* imposed strain */
-    double width;     /* of parts, of local moduli; 0: `probe`, unless global */
+    bool rings;       /* the inner ring grows and turns */
+    double width;     /* of parts, of local moduli; 0: `probe`, unless global or rings */
     sp_probe probe;
 } probe;
 
@@ -28,12 +29,12 @@ typedef struct arguments {
     bool whole; /* the table has the whole tensor: of packings without a piston */
 } arguments;
 
-/* "global", "sine:N", "lines:N" or "local:W". */
+/* "global", "rings", "sine:N", "lines:N" or "local:W". */
 static sp_status read_probe(const char *text, probe *out, sp_error *err) {
     const char *colon = strchr(text, ':');
     int64_t n = 0;
-    *out = (probe){.text = text, .global = strcmp(text, "global") == 0};
-    if (out->global)
+    *out = (probe){.text = text, .global = strcmp(text, "global") == 0, .rings = strcmp(text, "rings") == 0};
+    if (out->global || out->rings)
         return SP_OK;
     if (strncmp(text, "local:", 6) == 0)
         return cli_number("--probe local:W", colon + 1, 1e-3, 1e6, &out->width, err);
@@ -42,7 +43,7 @@ static sp_status read_probe(const char *text, probe *out, sp_error *err) {
     else if (strncmp(text, "lines:", 6) == 0)
         out->probe.kind = SP_PROBE_LINES;
     else
-        return sp_fail(err, SP_EINVAL, "--probe %.60s: must be global, sine:N, lines:N or local:W", text);
+        return sp_fail(err, SP_EINVAL, "--probe %.60s: must be global, rings, sine:N, lines:N or local:W", text);
     if (cli_integer("N", colon + 1, 1, 1000000, &n, err) != SP_OK) {
         sp_fail_prefix(err, "--probe %.60s", text);
         return SP_EINVAL;
@@ -75,6 +76,8 @@ static sp_status check(void *user, sp_error *err) {
         if (a->probe[k].width > 0 && (a->probes > 1 || a->common.files > 1))
             return sp_fail(err, SP_EINVAL, "--probe %.60s: must be the only probe of one packing, whose parts it lists",
                            a->probe[k].text);
+        else if (a->probe[k].rings && a->probes > 1)
+            return sp_fail(err, SP_EINVAL, "--probe rings: must be the only probe: its table has other columns");
     return SP_OK;
 }
 
@@ -85,7 +88,8 @@ static const cli_option options[] = {
      CLI_FIELD(margin), .high = 1e6},
     {"probe", "KIND",
      "Apparent moduli (repeatable): sine:N, a body force with N half waves between the walls; lines:N, N displaced "
-     "lines of grains, N odd; or global, the imposed strain. local:W, alone: moduli of parts about W d wide",
+     "lines of grains, N odd; or global, the imposed strain. local:W, alone: moduli of parts about W d wide. rings, "
+     "alone: between two rings, of which the inner one grows or turns",
      .parse = add_probe},
     {"strain", "EPS",
      "Moduli at a finite strain of 1e-12 to 0.01, with the full contact law instead of linear springs (repeatable)",
@@ -109,13 +113,18 @@ const cli_syntax cmd_moduli_syntax = {
         "moduli on smaller scales, and their ratios to those of the global strain; with --probe local:W one row for "
         "each of "
         "the equal parts of the packing, with the changes of its stress for a strain of the whole: their mean is the "
-        "modulus of the whole, which comments tell with mean and standard deviation (_mean, _sd). With --strain it has "
+        "modulus of the whole, which comments tell with mean and standard deviation (_mean, _sd). With --probe rings "
+        "it "
+        "has the pressures on both rings over the relative growth of the inner one (p_inner, p_outer), with K and G of "
+        "the elastic annulus between fixed rings that answers in the same way (Lame); and the torque over the angle by "
+        "which the inner ring turns, with G of it (G_turn). With --strain it has "
         "changes of "
         "stress divided by the strain, for packings that are brought back to equilibrium, and counts the contacts that "
         "slide "
         "or open. --set takes keys of the group network.\n"
         "\n"
-        "A periodic cell is strained itself, and a box by all of its walls; read \"along the up axis\" for \"from "
+        "A periodic cell is strained itself, and a box or two rings by all of their walls; read \"along the up axis\" "
+        "for \"from "
         "wall to wall\". Their tables have further columns: the rest of the stiffness tensor in Voigt's notation (in "
         "two dimensions 3 is the shear, so C13 and C23 couple it to the axes), the bulk modulus K and the shear "
         "modulus G of its isotropic part (Voigt's averages), the anisotropy |C - isotropic part|/|C|, and K_err, "
@@ -375,6 +384,21 @@ static void local_rows(const arguments *a, const cli_file *file, cli_writer *w) 
     sp_local_moduli_free(&m);
 }
 
+/* ---- --probe rings ----------------------------------------------------------------------------------------------- */
+
+static void ring_row(const arguments *a, const cli_file *file, cli_writer *w) {
+    sp_ring_moduli m;
+    w->status = sp_ring_moduli_make(&file->network, &m, w->err);
+    if (w->status != SP_OK)
+        return;
+    if (isnan(m.shear_turn))
+        cli_note(&a->common, "%s: the inner ring turns freely, and G_turn is nan", file->path);
+    cli_put_text(w, file->path);
+    cli_put(w, file->packing.pressure, m.p_inner, m.p_outer, m.torque, m.bulk, m.error_bulk, m.shear, m.error_shear,
+            m.shear_turn, m.error_shear_turn);
+    cli_end_row(w);
+}
+
 /* ---- --strain: at a finite strain -------------------------------------------------------------------------------- */
 
 static void strained_row(const cli_file *file, double strain, const sp_finite_strain *s, cli_writer *w) {
@@ -407,6 +431,8 @@ static void strained_rows(const arguments *a, const cli_file *file, cli_writer *
 
 static bool has_parts(const arguments *a) { return a->probes == 1 && a->probe[0].width > 0; }
 
+static bool has_rings(const arguments *a) { return a->probes == 1 && a->probe[0].rings; }
+
 static bool has_probes(const arguments *a) { return a->probes > 1 || (a->probes == 1 && !a->probe[0].global); }
 
 static void add_columns(const arguments *a, int dim, cli_writer *w) {
@@ -419,6 +445,9 @@ static void add_columns(const arguments *a, int dim, cli_writer *w) {
         cli_columns(w, SP_COLUMN_NUMBER, "residual", "", NULL);
     } else if (has_parts(a)) {
         local_columns(dim, w);
+    } else if (has_rings(a)) {
+        cli_columns(w, SP_COLUMN_NUMBER, "p_inner", "E*", "p_outer", "E*", "torque", "E* d^2", "K", "E*", "K_err", "E*",
+                    "G", "E*", "G_err", "E*", "G_turn", "E*", "G_turn_err", "E*", NULL);
     } else if (has_probes(a)) {
         if (a->probes > 1)
             cli_columns(w, SP_COLUMN_TEXT, "probe", "", NULL);
@@ -467,6 +496,8 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
         strained_rows(a, file, w);
     else if (has_parts(a))
         local_rows(a, file, w);
+    else if (has_rings(a))
+        ring_row(a, file, w);
     else if (has_probes(a))
         probe_rows(a, file, s.phi3s, w);
     else

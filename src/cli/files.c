@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <sonopack/cost.h>
+#include <string.h>
 
 static const double lowest = 6, usual = 12; /* heights [d] */
 
@@ -69,6 +70,11 @@ sp_status cli_read_network(const char *path, const sp_network_options *opt, sp_p
     return status;
 }
 
+void cli_keep_series(const sp_packing *p, cli_file *file) {
+    file->packing.frame = p->frame;
+    memcpy(file->packing.strain, p->strain, sizeof p->strain);
+}
+
 /* Adds the rows of one file, or to a plan what it would take. */
 static sp_status do_file(const cli_files *command, void *arguments, cli_file *f, cli_plan *plan, cli_writer *w) {
     sp_error *err = w->err;
@@ -89,6 +95,7 @@ static sp_status do_file(const cli_files *command, void *arguments, cli_file *f,
         if (status != SP_OK && command->contents != CLI_PATH && !(command->stop && status == SP_EINVAL))
             sp_fail_prefix(err, "%s", f->path);
     }
+    f->of_series = !isnan(f->packing.frame);
     sp_network_free(&f->network);
     sp_packing_free(&f->packing);
     return status;
@@ -110,7 +117,11 @@ static sp_status do_files(const cli_files *command, void *arguments, const sp_sc
         tell(common, k, begun);
         cli_file f = {.path = common->file[k], .scene = scene};
         sp_error reason = {0};
-        status = do_file(command, arguments, &f, plan, &(cli_writer){.table = w->table, .err = &reason});
+        const int64_t rows = w->table->rows;
+        status =
+            do_file(command, arguments, &f, plan, &(cli_writer){.table = w->table, .err = &reason, .of = &f.packing});
+        if (rows > 0 && f.of_series && !cli_has_series(w->table))
+            cli_note(common, "%s: its frame is left out: the first packing has none; put it in front", f.path);
         if (status != SP_OK && command->stop)
             *w->err = reason;
         else if (status != SP_OK)

@@ -50,7 +50,8 @@ typedef struct cli_file {
     const sp_scene *scene; /* of --set, --threshold and --prestress */
     sp_packing packing;
     sp_network network;
-    bool failed; /* add() may set it after it has reported an error itself: the exit status becomes CLI_FAILED */
+    bool of_series; /* the packing had a place in a series */
+    bool failed;    /* add() may set it after it has reported an error itself: the exit status becomes CLI_FAILED */
 } cli_file;
 
 typedef enum cli_file_contents { CLI_PATH = 0, CLI_PACKING, CLI_NETWORK } cli_file_contents;
@@ -91,6 +92,9 @@ int cli_run_table(void *arguments, sp_status (*work)(void *arguments, cli_writer
 
 /* SP_EREFUSED for a packing in a periodic cell. `what`, such as "a front", begins at a wall. */
 sp_status cli_need_walls(const sp_packing *p, const char *what, sp_error *err);
+
+/* For commands that read packings themselves: its place in a series goes into the rows of the file. */
+void cli_keep_series(const sp_packing *p, cli_file *file);
 
 /* Reads a packing and makes its network. The message names the file. Free both, even after a failure. */
 sp_status cli_read_network(const char *path, const sp_network_options *opt, sp_packing *p, sp_network *net,

@@ -4,12 +4,14 @@
 
 #include "base/base.h"
 #include "base/file.h"
+#include "packing/geometry.h"
 #include "store/packing_text.h"
 
 #include <sonopack/study/modes_file.h>
 
 #include <ctype.h>
 #include <errno.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -327,7 +329,28 @@ void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbo
         cli_put(w, sp_quantity_value(q, of));
 }
 
+bool cli_has_series(const sp_table *t) { return sp_table_find_column(t, "frame") >= 0; }
+
+/* Frame and strain of the packing, if that of the first row has them. */
+static void put_series(cli_writer *w) {
+    if (!w->of || w->status != SP_OK || strcmp(w->table->column[0].name, "file") != 0)
+        return;
+    if (w->table->rows == 0 && !isnan(w->of->frame)) {
+        cli_columns(w, SP_COLUMN_NUMBER, "frame", "", NULL);
+        for (int k = 0; k < SP_SERIES_STRAINS; k++)
+            if (!isnan(w->of->strain[k]))
+                cli_columns(w, SP_COLUMN_NUMBER, sp_strain_names[k], "", NULL);
+    }
+    if (!cli_has_series(w->table))
+        return;
+    cli_put(w, w->of->frame);
+    for (int k = 0; k < SP_SERIES_STRAINS; k++)
+        if (sp_table_find_column(w->table, sp_strain_names[k]) >= 0)
+            cli_put(w, isnan(w->of->frame) ? NAN : w->of->strain[k]);
+}
+
 void cli_end_row(cli_writer *w) {
+    put_series(w);
     CLI_THEN(w->status, sp_table_add_cells(w->table, w->cell, w->err));
     w->cells = 0;
 }
@@ -335,13 +358,15 @@ void cli_end_row(cli_writer *w) {
 sp_status cli_row(cli_writer *w, ...) {
     va_list list;
     va_start(list, w);
-    for (int c = 0; w->status == SP_OK && c < w->table->columns; c++)
+    const int series = sp_table_find_column(w->table, "frame"), columns = series < 0 ? w->table->columns : series;
+    for (int c = 0; w->status == SP_OK && c < columns; c++)
         switch (w->table->column[c].kind) {
         case SP_COLUMN_INTEGER: w->cell[c].integer = va_arg(list, int64_t); break;
         case SP_COLUMN_NUMBER: w->cell[c].number = va_arg(list, double); break;
         case SP_COLUMN_TEXT: w->cell[c].text = va_arg(list, char *); break;
         }
     va_end(list);
+    w->cells = columns;
     cli_end_row(w);
     return w->status;
 }

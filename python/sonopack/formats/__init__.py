@@ -24,6 +24,7 @@ from .._records import Material
 from . import contacts, finish, forms, grains, lammps, law, vtk, walls, whole, xyz
 from ._faults import bad_file, bad_option
 from .export import Export, beside
+from .frames import Series
 from .options import SAID, Options, keys_of, read_key
 from .sheet import is_packed
 from .work import Report, Work
@@ -138,19 +139,21 @@ def is_foreign(path: str) -> bool:
 
 def series(path: Path, **words: Any) -> Iterator[Packing]:
     """The packings of all frames of a file, or of the files of a folder or a pattern in the order of their names.
-    words: as of read(); contacts may be a file with the same frames, or a pattern with as many files."""
-    name = os.fspath(path)
+    words: as of read(); contacts may be a file with the same frames, or a pattern with as many files. Each packing has its
+    frame, and the strain of its cell since the first."""
+    name, together = os.fspath(path), Series()
     files = sorted(glob.glob(os.path.join(name, "*") if os.path.isdir(name) else name)) or [name]
     if len(files) == 1 and not os.path.isdir(name):
         frames: list[int | None] = [*frames_of(files[0], words.get("form", "auto"))]
         for frame in frames or [None]:
-            yield Packing.read(files[0], **{**words, "frame": frame})
+            p = Packing.read(files[0], **{**words, "frame": frame})
+            yield p if frame is None else together.add(p, frame)
         return
     lists = sorted(glob.glob(os.fspath(words.get("contacts") or "")))
     if len(lists) > 1 and len(lists) != len(files):
         raise bad_option(f"contacts: {len(lists)} files, must be one for each of the {len(files)}")
     for k, file in enumerate(files):
-        yield Packing.read(file, **{**words, **({"contacts": lists[k]} if len(lists) > 1 else {})})
+        yield together.add(Packing.read(file, **{**words, **({"contacts": lists[k]} if len(lists) > 1 else {})}), k)
 
 
 def frames_of(path: Path, form: str = "auto") -> list[int]:

@@ -21,6 +21,7 @@ from ..plot._inputs import Input
 from ..plot._motion import Motion, find_mode, find_snapshots
 from . import forms, vtk
 from .export import Export, beside
+from .frames import Series
 from .options import Options, read_keys
 from .work import modulus
 
@@ -138,6 +139,7 @@ class _Job:
     contacts: str | None
     foreign: bool = False
     ending: str = ""  # the form of the target
+    series: Series | None = None  # of which this is a frame
 
     @property
     def writes_tables(self) -> bool:
@@ -406,7 +408,7 @@ def run(a: argparse.Namespace) -> int:
     """Reads one packing and writes it, or those of several frames."""
     if not isinstance(a.frame, tuple):
         return _convert(a, _job(a))
-    job, failed, (low, high) = _job(a), list[str](), a.frame
+    job, failed, (low, high), series = _job(a), list[str](), a.frame, Series()
     ending = os.path.splitext(str(job.target).removesuffix(".gz"))[1]
     numbers = [k for k in formats.frames_of(str(job.source), a.form) if low <= k <= high]
     if not numbers:
@@ -415,7 +417,7 @@ def run(a: argparse.Namespace) -> int:
         target = beside(str(job.target), f"-{k:0{len(str(max(numbers)))}d}{ending}")
         one = argparse.Namespace(**{**vars(a), "frame": k, "files": [job.source, target], "output": None})
         try:
-            _convert(one, _job(one))
+            _convert(one, dataclasses.replace(_job(one), series=series))
         except SonopackError as fault:
             failed.append(f"frame {k}: {fault}")
     if failed:
@@ -426,6 +428,8 @@ def run(a: argparse.Namespace) -> int:
 def _convert(a: argparse.Namespace, job: _Job) -> int:
     _check_output(job)
     packing = _take_material(job, _read(job))
+    if job.series:
+        job.series.add(packing, a.frame)
     _write(job, packing)
     m = packing.material
     si = f" E* ({1e-3 * packing.pressure * modulus(m):.6g} kPa)" if m.young > 0 else ""

@@ -70,6 +70,8 @@ def _read_list(w: Work, sheet: Sheet) -> None:
     links = _within(w, links)
     if not (links.j >= 0).any():
         raise bad_file(f"{sheet.file}: lists no contact between two grains of {w.path}; --contacts overlap finds them")
+    if w.form == "photoelastic":
+        links = _leave_out_attractions(w, links)
     _turn_sense(w, listed, links, sense)
     w.links = _remove_twins(w, listed, links)
     vector = listed.vectors["f"] or listed.vectors["fn"]
@@ -102,6 +104,8 @@ def _find_grains(w: Work, sheet: Sheet, column: int) -> tuple[Integers, Mask]:
     grain[rows] = np.where(found >= 0, found, np.where(own, ids, _WALL))
     unknown[rows] = grain[rows] == _WALL
     skip = unknown & (w.report.left_out > 0)
+    if w.form == "photoelastic":  # a wall that is not said which: its force follows from the balance
+        skip[rows] |= unknown[rows] & (ids < 0)
     bad = unknown & ~skip
     if w.form == "mercury":
         bad[rows] &= ids >= 0
@@ -114,6 +118,8 @@ def _read_pairs(w: Work, listed: _List) -> tuple[Links, Floats, int]:
     with side walls are left out."""
     (first, skip1), (second, skip2) = (_find_grains(w, listed.sheet, column) for column, _ in listed.ids)
     rows = np.flatnonzero(~(skip1 | skip2))
+    if w.form == "photoelastic" and len(rows) < len(first) and not w.report.left_out:
+        w.note(f"{len(first) - len(rows)} contacts with walls of negative ids are left out: --walls balance finds them")
     first, second = first[rows], second[rows]
     for bad, rule in ((first == second, "another grain than the first"),
                       ((first < 0) & (second < 0), "a grain, if the first is a wall")):
@@ -212,18 +218,41 @@ def _turn_sense(w: Work, listed: _List, links: Links, sense: float) -> None:
         w.note(f"the forces of {listed.sheet.file} act on the second grain of each row: turned")
 
 
+def _leave_out_attractions(w: Work, links: Links) -> Links:
+    """Fits of fringes may end with a force below 0, which dry disks cannot have."""
+    bad = links.fn < 0
+    if bad.any():
+        w.note(f"{int(bad.sum())} contacts with a normal force below 0 are left out, of up to "
+               f"{-links.fn.min() / links.fn[~bad].mean():.2g} of the mean force")
+    return links[~bad]
+
+
+def _average_twins(w: Work, links: Links, twin: Mask) -> None:
+    """A force that was measured in both disks: the mean of the two."""
+    second = np.flatnonzero(twin)
+    first = second - 1
+    apart = links.fn[second] - links.fn[first]
+    w.note(f"{len(second)} contacts are measured in both disks: the mean is taken, from which they differ by "
+           f"{0.5 * math.sqrt(float((apart**2).mean())) / float(links.fn.mean()):.2g} of the mean force (rms)")
+    for values in (links.fn, links.ft):
+        values[first] = values[second] = 0.5 * (values[first] + values[second])
+
+
 def _remove_twins(w: Work, listed: _List, links: Links) -> Links:
     """Removes contacts that are listed once for each grain. Others that come twice are errors."""
     links = links[np.lexsort((links.row, links.j, links.i))]
     twin = np.zeros(len(links), bool)
     twin[1:] = (links.i[1:] == links.i[:-1]) & (links.j[1:] == links.j[:-1])
     first = np.maximum.accumulate(np.where(twin, 0, np.arange(len(links))))
+    measured = w.form == "photoelastic" and not (twin[1:] & twin[:-1]).any()
+    if measured and twin.any():
+        _average_twins(w, links, twin)
     known = links.fn[first]
     bad = np.flatnonzero(twin & ~(np.abs(links.fn - known) <= 1e-5 * np.abs(known)) & ~np.isnan(links.fn))
     if len(bad):
         raise bad_file(f"{listed.where(links, bad[0])}: {_pair_text(w, links, bad[0])} touch already in line "
                        f"{listed.sheet.line(int(links.row[first[bad[0]]]))}, with another force")
-    if twin.any():
+    if twin.any() and not measured:
         w.note(f"{int(twin.sum())} contacts are listed twice, with the same force: taken once")
     return links[~twin]
 

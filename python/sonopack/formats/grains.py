@@ -128,7 +128,7 @@ def _scale(w: Work) -> None:
         d = m.diameter if m.diameter > 0 else mean * o.length_unit
         w.material = dataclasses.replace(m, diameter=d)
         stress, rho = modulus(m), m.density
-    w.scale = o.length_unit / d
+    w.scale = w.report.scale = o.length_unit / d
     w.force = o.force_unit / (stress * d * d)
     w.stiffness = 1 / (stress * d)
     w.place = 0 if o.keys.get("digits") == "exact" else _digits_error(w) * w.scale

@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 import numpy as np
 
 from .._core import Floats, Integers, SonopackError
-from .._packing import CONTACT, Packing
+from .._packing import CONTACT, STRAINS, Packing
 from .._table import material_of
 from ._faults import bad_file, bad_option
 from .export import number_text
@@ -20,7 +20,7 @@ from .options import CELLS, SIDES, WALLS
 from .sheet import number, text_of
 
 _KEYS = ("dimension", "width", "depth", "height", "cell", "xy", "xz", "yz", "gravity", "pressure", "friction", "poisson",
-         "wall", "material", "seed")
+         "wall", "material", "seed", "frame", *STRAINS)
 _TILT = ("xy", "xz", "yz")
 _EDGES = {1: ("height",), 2: ("width", "height"), 3: ("width", "depth", "height")}
 
@@ -298,6 +298,8 @@ def read(grains: str, contacts: str, given: Mapping[str, Any]) -> Packing:
             raise
         raise bad_file(f"{grains}, {contacts}: {fault}") from None
     p._c.seed = keys.seed()
+    if keys.word("frame")[0] is not None:
+        p.set_series(keys.number("frame"), {name: keys.number(name) for name in STRAINS if keys.word(name)[0] is not None})
     return p
 
 
@@ -324,6 +326,8 @@ def _said(p: Packing) -> str:
                                     (("E", m.young), ("nu", m.poisson), ("rho", m.density), ("d", m.diameter)))
     if p._c.seed:
         said["seed"] = p._c.seed
+    if not math.isnan(p.frame):
+        said |= {"frame": p.frame, **p.strain}
     return "# lengths in mean grain diameters d, pressure in E*\n" + "".join(
         f"# {key} = {f'{value:.17g}' if isinstance(value, float) else value}\n" for key, value in said.items())
 

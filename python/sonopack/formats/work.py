@@ -124,6 +124,7 @@ class Report:
     hertz_spread: float = NAN  #: largest deviation of that ratio from its median
     overlap_error: float = NAN  #: error of overlaps from the digits in the file, over the mean overlap
     mean_diameter: float = NAN  #: in the units of the file
+    scale: float = 1.0  #: of lengths: d in the units of the file, inverse
     notes: list[str] = dataclasses.field(default_factory=list)
 
     def lines(self, path: str) -> list[str]:

@@ -65,8 +65,8 @@ static sp_status check_connected(const sp_network *net, sp_error *err) {
 }
 
 static sp_status check_network(const sp_network *net, sp_error *err) {
-    if (net->cell == SP_CELL_PERIODIC || net->cell == SP_CELL_RING)
-        return sp_cell_need_flat(net->cell, "an imposed strain", err);
+    if (net->cell == SP_CELL_PERIODIC)
+        return SP_OK;
     const int32_t bottom = support_of(net, SP_BOTTOM).springs, top = support_of(net, SP_TOP).springs;
     if (bottom == 0 || top == 0)
         return sp_fail(err, SP_EREFUSED, "moduli need carrying contacts at both walls, there are %d and %d", bottom,

@@ -3,6 +3,7 @@
 #include "base/vector.h"
 #include "elastic/moduli.h"
 #include "network/network_cell.h"
+#include "packing/geometry.h"
 
 #include <math.h>
 
@@ -26,6 +27,8 @@ static sp_status make_grid(const sp_network *net, double width, grid *g, sp_erro
     *g = (grid){.cells = {1, 1, 1}};
     for (int32_t i = 0; i < net->n; i++)
         mean += 2 * net->r[i] / net->n;
+    if (net->cell == SP_CELL_RING)
+        return sp_cell_need_flat(net->cell, "a grid of parts", err);
     if (net->dim == 1)
         return sp_fail(err, SP_EREFUSED, "local moduli need two or three dimensions, this is a chain");
     if (!(width >= mean))

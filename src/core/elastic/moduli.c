@@ -216,7 +216,9 @@ size_t sp_stiffness_work(const sp_network *net) {
 
 sp_status sp_stiffness_of(sp_equilibrium *e, double *work, sp_stiffness *out, sp_error *err) {
     sp_stiffness c = {0};
-    sp_status status = strain_all(e, work, &c, err);
+    sp_status status = sp_strain_check(e->net, err);
+    if (status == SP_OK)
+        status = strain_all(e, work, &c, err);
     if (status == SP_OK)
         status = find_mechanisms(e->net, &c, err);
     if (status == SP_OK)

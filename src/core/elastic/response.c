@@ -72,9 +72,9 @@ static double dipole(const sp_network *net, const sp_load *load, double *f) {
 static sp_status check_load(const sp_network *net, const sp_load *load, bool grips, sp_error *err) {
     const int32_t most = load->kind == SP_LOAD_DIPOLE ? net->n_springs : net->n;
     if (load->kind == SP_LOAD_STRAIN)
-        return sp_strain_allowed(net, load->axis, grips)
-                   ? SP_OK
-                   : sp_fail(err, SP_EREFUSED, "walls without friction cannot shear the packing");
+        return !sp_strain_allowed(net, load->axis, grips)
+                   ? sp_fail(err, SP_EREFUSED, "walls without friction cannot shear the packing")
+                   : sp_strain_check(net, err);
     if (load->at < 0 || load->at >= most)
         return sp_fail(err, SP_EINVAL, "load at %d, must be 0 .. %d", load->at, most - 1);
     if (load->kind == SP_LOAD_FORCE && (load->axis < 0 || load->axis >= net->dim))

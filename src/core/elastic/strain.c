@@ -2,7 +2,9 @@
 #include "elastic/strain.h"
 
 #include "base/vector.h"
+#include "network/network_cell.h"
 #include "network/rows.h"
+#include "packing/geometry.h"
 
 #include <float.h>
 #include <math.h>
@@ -35,7 +37,12 @@ double sp_strain_area(const sp_network *net) {
     return net->dim == 1 ? 1 : net->dim == 2 ? net->box[0] : net->box[0] * net->box[1];
 }
 
-double sp_strain_volume(const sp_network *net) { return sp_strain_area(net) * net->box[net->dim - 1]; }
+double sp_strain_volume(const sp_network *net) { return sp_network_volume(net); }
+
+sp_status sp_strain_check(const sp_network *net, sp_error *err) {
+    return net->prestress ? sp_cell_need_flat(net->cell, "a strain under prestress, which would bend them,", err)
+                          : SP_OK;
+}
 
 double sp_strain_noise(const sp_network *net) { return DBL_EPSILON * (16 + sqrt((double)net->n_springs)); }
 
@@ -120,7 +127,7 @@ void sp_strain_stresses(const sp_network *net, int strain, const double *u, sp_s
     }
     for (int b = 0; b < strains; b++)
         out->c[b][strain] = sum[b] / sp_strain_volume(net);
-    out->wall[strain] = net->cell == SP_CELL_PERIODIC ? NAN : wall / sp_strain_area(net);
+    out->wall[strain] = net->cell == SP_CELL_PERIODIC || net->cell == SP_CELL_RING ? NAN : wall / sp_strain_area(net);
 }
 
 void sp_strain_part_of(const sp_network *net, int32_t spring, int strain, const double *u, sp_strain_part *out) {

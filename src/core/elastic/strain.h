@@ -14,7 +14,7 @@ enum { STRAIN_33_3D = 2, STRAIN_23_3D, STRAIN_13_3D, STRAIN_12_3D, STRAINS_3D };
 typedef struct sp_stiffness {
     double c[STRAINS_3D][STRAINS_3D]; /* stress a due to strain b; NAN where undefined */
     double wall[STRAINS_3D]; /* normal force on the top wall over its area for strain b; equals the row of C of the
-                                uniaxial strain from wall to wall; NAN without walls */
+                                uniaxial strain from wall to wall; NAN without flat walls */
     double error[STRAINS_3D][STRAINS_3D]; /* bounds of the errors of c */
     double residual;                      /* largest |K u - f|/|f| */
 } sp_stiffness;
@@ -25,6 +25,8 @@ sp_status sp_stiffness_make(const sp_network *net, sp_stiffness *out, sp_error *
  * across the up axis. */
 int sp_strain_count(const sp_network *net);
 bool sp_strain_allowed(const sp_network *net, int strain, bool grips);
+/* SP_EREFUSED between rings under prestress: a strain makes ellipses of them, whose normals and curvatures change. */
+sp_status sp_strain_check(const sp_network *net, sp_error *err);
 /* Area across the up axis and volume of the cell [d]. */
 double sp_strain_area(const sp_network *net);
 double sp_strain_volume(const sp_network *net);

@@ -110,7 +110,7 @@ typedef struct carried_energy {
 static carried_energy energy_of_carried(const sp_network *net, const sp_spring *c, const sp_carried *held,
                                         const double *ui, const double *uj, const stretch *e) {
     const double *n = c->n, *f = held->ft, size = length3(f);
-    carried_energy out = {0, 0, 3 * size * (held->turn + 1 / c->ri)};
+    carried_energy out = {0, 0, 3 * size * (fabs(held->turn) + 1 / c->ri)};
     if (net->dim == 2) {
         out.value = -held->turn * (f[1] * n[0] - f[0] * n[1]) * e->transverse[0][0] * e->normal[0];
         out.magnitude = fabs(out.value);

@@ -53,8 +53,7 @@ static double slip_factor(const sp_packing *p, const sp_network_options *opt, co
     return cbrt(opt->tangential == SP_SPRINGS_LOADING ? 1 - q : 0.5 * (1 - q));
 }
 
-/* Stiffnesses by (A1), (A2), (A4), or the contact's own. A wall has no lever arm, and its normal does not turn when a
- * grain moves along it. */
+/* Stiffnesses by (A1), (A2), (A4), or the contact's own. A wall has no lever arm. */
 static sp_status make_spring(const sp_packing *p, const sp_network_options *opt, int32_t contact, const int32_t *row,
                              sp_network *net, sp_error *err) {
     const sp_contact *c = &p->contacts[contact];
@@ -95,6 +94,19 @@ static sp_status make_springs(const sp_packing *p, const sp_network_options *opt
     return status;
 }
 
+/* The normal of a spring turns by the transverse displacement over this radius: the distance of the grains; at a flat
+ * wall, whose normal is fixed, infinity; at a ring the distance of the grain from its centre, about which the inner one
+ * turns the normal as a fixed grain would, and the outer one, which is hollow, the other way: negative. */
+static double radius_of(const sp_packing *p, const sp_network *net, int32_t k) {
+    const sp_spring *s = &net->springs[k];
+    if (s->j >= 0)
+        return net->length[k];
+    if (p->cell != SP_CELL_RING)
+        return INFINITY;
+    const double level = sp_ring_level(p->box, net->x + 3 * (int64_t)s->i);
+    return -sp_packing_wall_side(s->j) * (level + 0.5 * p->box[0] - p->box[1]);
+}
+
 /* Keeps the tangential forces if any is not 0. They are projected again, because a text file has few digits. */
 static sp_status make_carried(const sp_packing *p, sp_network *net, sp_error *err) {
     bool any = false;
@@ -105,7 +117,7 @@ static sp_status make_carried(const sp_packing *p, sp_network *net, sp_error *er
         const sp_spring *s = &net->springs[k];
         const double *ft = p->contacts[s->contact].ft;
         sp_carried *held = &net->carried[k];
-        held->turn = s->j < 0 ? 0 : 1 / net->length[k];
+        held->turn = 1 / radius_of(p, net, k);
         const double off = dot3(ft, s->n);
         for (int a = 0; a < net->dim; a++) {
             held->ft[a] = ft[a] - off * s->n[a];
@@ -120,12 +132,11 @@ static sp_status make_carried(const sp_packing *p, sp_network *net, sp_error *er
     return SP_OK;
 }
 
-/* The forces at rest of a network without any. The normal of a ring would turn with a grain that moves along it. */
+/* The forces at rest of a network without any. */
 static sp_status make_forces(const sp_packing *p, sp_network *net, sp_error *err) {
-    if (p->cell == SP_CELL_RING)
-        return sp_cell_need_flat(p->cell, "prestress", err);
-    for (int32_t k = 0; k < net->n_bulk && net->dim > 1; k++) {
-        net->springs[k].kp = -p->contacts[net->springs[k].contact].fn / net->length[k];
+    const int32_t turning = p->cell == SP_CELL_RING ? net->n_springs : net->n_bulk;
+    for (int32_t k = 0; k < turning && net->dim > 1; k++) {
+        net->springs[k].kp = -p->contacts[net->springs[k].contact].fn / radius_of(p, net, k);
         net->prestress = true;
     }
     return net->dof > net->dim ? make_carried(p, net, err) : SP_OK;

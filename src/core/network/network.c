@@ -50,7 +50,7 @@ double sp_network_volume(const sp_network *net) {
     double volume = 1;
     for (int a = 0; a < net->dim; a++)
         volume *= net->box[a];
-    return volume;
+    return net->cell == SP_CELL_RING ? M_PI * volume * (1 - net->box[1] / net->box[0]) : volume;
 }
 
 void sp_network_move(const sp_network *net, int axis, double periods, double x[3]) {

@@ -105,7 +105,7 @@ void sp_network_turns(const sp_network *net, int32_t k, sp_turns *t) {
     t->width = s->j >= 0 ? 2 * net->dof : net->dof;
     if (net->dim == 3) {
         turns_3d(net, s, held, t);
-    } else if (held->turn > 0) {
+    } else if (held->turn != 0) {
         const double tilt = -held->turn * (held->ft[1] * s->n[0] - held->ft[0] * s->n[1]);
         const double tangent[3] = {-tilt * s->n[1], tilt * s->n[0], 0};
         translate(net, s, s->n, t->left[0], t->left_gap[0]);

@@ -10,6 +10,7 @@
 const char *const sp_wall_names[] = {"rigid", "grain", "elastic", NULL};
 const char *const sp_side_names[] = {"bottom", "top", "left", "right", "front", "back", NULL};
 const char *const sp_cell_names[] = {"piston", "periodic", "box", "ring", NULL};
+const char *const sp_strain_names[SP_SERIES_STRAINS] = {"e_xx", "e_yy", "e_zz", "e_yz", "e_xz", "e_xy"};
 
 bool sp_wall_read(const char *word, sp_wall *out) {
     for (int k = 0; sp_wall_names[k]; k++)

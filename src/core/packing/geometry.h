@@ -41,6 +41,8 @@ SP_SHARED extern const char *const sp_side_names[];
 SP_SHARED extern const char *const sp_cell_names[];
 /* Names of contact laws at walls, by sp_wall; ended by NULL. */
 SP_SHARED extern const char *const sp_wall_names[];
+/* Names of sp_packing.strain in tables. */
+SP_SHARED extern const char *const sp_strain_names[SP_SERIES_STRAINS];
 /* The wall of this name. False for any other word. */
 SP_SHARED bool sp_wall_read(const char *word, sp_wall *out);
 

@@ -8,7 +8,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-sp_packing sp_packing_none(void) { return (sp_packing){.residual = NAN, .seconds = NAN, .box = {1, 1, 1}}; }
+sp_packing sp_packing_none(void) {
+    return (sp_packing){
+        .residual = NAN, .seconds = NAN, .box = {1, 1, 1}, .frame = NAN, .strain = {NAN, NAN, NAN, NAN, NAN, NAN}};
+}
 
 void sp_packing_free(sp_packing *p) {
     sp_free(p->x);

@@ -10,10 +10,22 @@
 #include <math.h>
 #include <sonopack/packing.h>
 #include <stddef.h>
+#include <string.h>
 
 static const double PI = 3.14159265358979323846;
 
+static bulk bulk_of_ring(const sp_packing *p, double margin) {
+    bulk b = {.dim = 2, .centre = 0.5 * p->box[0]};
+    b.ring[0] = b.centre - p->box[1] + margin;
+    b.ring[1] = b.centre - margin;
+    b.volume = b.ring[1] > b.ring[0] ? PI * (b.ring[1] - b.ring[0]) * (b.ring[1] + b.ring[0]) : 0;
+    sp_gauss_rule(SP_BULK_NODES, b.node, b.weight);
+    return b;
+}
+
 bulk sp_bulk_of(const sp_packing *p, double margin) {
+    if (p->cell == SP_CELL_RING)
+        return bulk_of_ring(p, margin);
     bulk b = {.dim = p->dim, .volume = 1};
     bool empty = false;
     for (int a = 0; a < p->dim; a++) {
@@ -30,7 +42,11 @@ bulk sp_bulk_of(const sp_packing *p, double margin) {
     return b;
 }
 
+static double away_of(const bulk *b, const double x[3]) { return hypot(x[0] - b->centre, x[1] - b->centre); }
+
 bool sp_bulk_has(const bulk *b, const double x[3]) {
+    if (b->ring[1] > 0)
+        return away_of(b, x) >= b->ring[0] && away_of(b, x) <= b->ring[1];
     for (int a = 0; a < b->dim; a++)
         if (b->bounded[a] && !(x[a] >= b->low[a] && x[a] <= b->high[a]))
             return false;
@@ -40,8 +56,7 @@ bool sp_bulk_has(const bulk *b, const double x[3]) {
 /* Whether a contact point is in the bulk. */
 static bool has_contact(const bulk *b, const sp_packing *p, const sp_contact *c) {
     double point[3];
-    for (int a = 0; a < 3; a++)
-        point[a] = p->x[3 * (size_t)c->i + (size_t)a] + c->n[a] * (p->r[c->i] - 0.5 * c->overlap);
+    sp_contact_point(p, c, point);
     return sp_bulk_has(b, point);
 }
 
@@ -122,7 +137,17 @@ static double within(const bulk *b, int dim, int slabs, const slab *s, double r)
     return sum;
 }
 
+static double part_of_ring(const bulk *b, int dim, double away, double r) {
+    double in[2];
+    for (int k = 0; k < 2; k++)
+        in[k] = dim == 2 ? sp_disc_in_circle(away, r, b->ring[k])
+                         : sp_ball_in_circle(away, r, b->ring[k], b->node, b->weight);
+    return in[1] - in[0];
+}
+
 static double part(const bulk *b, int dim, const double x[3], double r) {
+    if (b->ring[1] > 0)
+        return part_of_ring(b, dim, away_of(b, x), r);
     slab cut[SLABS_MAX];
     int slabs = 0;
     for (int a = 0; a < b->dim; a++) {
@@ -160,9 +185,6 @@ double sp_packing_density_of(const sp_packing *p, const uint8_t *rattler, double
 }
 
 sp_status sp_packing_density(const sp_packing *p, double threshold, double margin, double *out, sp_error *err) {
-    sp_status flat = sp_cell_need_flat(p->cell, "the density of the bulk", err);
-    if (flat != SP_OK)
-        return flat;
     uint8_t *rattler = sp_alloc((size_t)p->n, 1);
     sp_status status =
         rattler ? sp_packing_rattlers(p, threshold, rattler, NULL, NULL, err) : sp_fail_memory(err, (size_t)p->n);
@@ -207,7 +229,10 @@ static void sum_forces(const sp_packing *p, const bulk *b, const uint8_t *carryi
             const sp_contact *k = &p->contacts[c];
             if (!carrying[c] || !has_contact(b, p, k))
                 continue;
-            const double ny2 = k->n[p->dim - 1] * k->n[p->dim - 1];
+            double point[3], up[3];
+            sp_contact_point(p, k, point);
+            sp_packing_up(p, point, up);
+            const double ny2 = dot3(k->n, up) * dot3(k->n, up);
             if (pass == 0) {
                 n += 1;
                 f1 += k->fn;
@@ -227,24 +252,8 @@ static void sum_forces(const sp_packing *p, const bulk *b, const uint8_t *carryi
     s->f2s = strong_fabric / strong;
 }
 
-/* sum of F_a r_b over all carrying contacts, walls included, positive in compression. F is the force of i on j and r
- * points from i to j. */
-static void sum_moments(const sp_packing *p, const uint8_t *carrying, double sum[3][3]) {
-    for (int32_t c = 0; c < p->n_contacts; c++) {
-        const sp_contact *k = &p->contacts[c];
-        if (!carrying[c])
-            continue;
-        double branch = p->r[k->i] - k->overlap + (k->j >= 0 ? p->r[k->j] : 0);
-        for (int a = 0; a < p->dim; a++) {
-            const double force = k->fn * k->n[a] - k->ft[a];
-            for (int b = 0; b < p->dim; b++)
-                sum[a][b] += force * branch * k->n[b];
-        }
-    }
-}
-
 /* sigma_ab = 1/V sum F_a r_b; off the diagonal the mean of ab and ba, which are equal where torques balance. The ratios
- * have the force on a horizontal plane. */
+ * have the force on a horizontal plane, in a ring on a circle. */
 static void sum_stress(const sp_packing *p, const uint8_t *carrying, sp_statics *s) {
     double sum[3][3] = {{0}}, sideways = 0;
     const int up = p->dim - 1;
@@ -253,12 +262,16 @@ static void sum_stress(const sp_packing *p, const uint8_t *carrying, sp_statics 
         int a, b;
     } each[] = {{&s->s_xx, 0, 0}, {&s->s_yy, 1, 1}, {&s->s_zz, 2, 2},
                 {&s->s_yz, 1, 2}, {&s->s_xz, 0, 2}, {&s->s_xy, 0, 1}};
-    sum_moments(p, carrying, sum);
+    sp_packing_moments(p, carrying, false, sum);
     for (size_t k = 0; k < sizeof each / sizeof *each; k++)
         if (each[k].b < p->dim)
             *each[k].to = 0.5 * (sum[each[k].a][each[k].b] + sum[each[k].b][each[k].a]) / sp_packing_volume(p);
     if (up == 0)
         return;
+    if (p->cell == SP_CELL_RING) {
+        memset(sum, 0, sizeof sum);
+        sp_packing_moments(p, carrying, true, sum);
+    }
     for (int a = 0; a < up; a++)
         sideways += sum[a][a] / up;
     s->s1_over_s2 = sideways / sum[up][up];
@@ -283,9 +296,6 @@ static double mobilised(const sp_packing *p, const uint8_t *carrying) {
 }
 
 sp_status sp_statics_make(const sp_packing *p, double threshold, double margin, sp_statics *out, sp_error *err) {
-    sp_status flat = sp_cell_need_flat(p->cell, "statics of the bulk", err);
-    if (flat != SP_OK)
-        return flat;
     const bulk b = sp_bulk_of(p, margin);
     sp_statics s = {NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN};
     uint8_t *rattler = sp_alloc((size_t)p->n, 1), *carrying = sp_alloc((size_t)p->n_contacts, 1);

@@ -12,6 +12,12 @@ const sp_quantity sp_statics_quantities[] = {
     {0}};
 #undef STATICS
 
+#define RING_STATICS(member, symbol, unit, meaning) {symbol, unit, meaning, offsetof(sp_ring_statics, member)},
+const sp_quantity sp_ring_statics_quantities[] = {
+#include <sonopack/quantities.inc>
+    {0}};
+#undef RING_STATICS
+
 #define MODULI(member, symbol, unit, meaning) {symbol, unit, meaning, offsetof(sp_moduli, member)},
 const sp_quantity sp_moduli_quantities[] = {
 #include <sonopack/quantities.inc>

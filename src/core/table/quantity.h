@@ -9,7 +9,7 @@ typedef struct sp_quantity {
     const char *symbol, *unit, *meaning; /* symbol = NULL ends a list */
     size_t offset;                       /* of the double in its struct */
 } sp_quantity;
-SP_SHARED extern const sp_quantity sp_statics_quantities[], sp_moduli_quantities[];
+SP_SHARED extern const sp_quantity sp_statics_quantities[], sp_ring_statics_quantities[], sp_moduli_quantities[];
 
 /* The next of the quantities whose symbols stand between blanks; *symbols moves behind it. NULL after the last. */
 SP_SHARED const sp_quantity *sp_quantity_next(const sp_quantity *all, const char **symbols);

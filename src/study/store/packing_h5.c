@@ -6,6 +6,7 @@
 #include "packing/contact.h"
 #include "packing/geometry.h"
 
+#include <math.h>
 #include <sonopack/study/store.h>
 #include <sonopack/version.h>
 #include <string.h>
@@ -56,6 +57,11 @@ static const sp_h5_name name_wall = {"/sonopack/wall", "1",
 static const sp_h5_name name_pressure = {"/sonopack/pressure", "E*", "force on a wall over its area"};
 static const sp_h5_name name_mean = {"/sonopack/pressure", "E*", "mean of the normal stresses in the grains"};
 static const sp_h5_name name_scene = {"/sonopack/scene", "1", "the scene that made the packing, with every value"};
+static const sp_h5_name name_frame = {"/sonopack/series/frame", "1",
+                                      "number or time step in the series of packings that this one is of"};
+static const sp_h5_name name_strain = {"/sonopack/series/strain", "1",
+                                       "of the cell since the first of the series: xx, yy, zz, yz, xz, xy, compression "
+                                       "positive; nan: none"};
 
 static const sp_h5_field field[] = {
     {{"/sonopack/friction", "1", "Coulomb's coefficient mu"}, SP_H5_F64, offsetof(sp_packing, friction)},
@@ -90,7 +96,7 @@ static const struct contact_part {
     {&name_mu, offsetof(sp_contact, mu), false, true}};
 enum { PARTS = sizeof part / sizeof *part };
 
-static const sp_h5_shape single = {0};
+static const sp_h5_shape single = {0}, strains = {1, {SP_SERIES_STRAINS}};
 
 /* Files of packings under a piston without gravity have no entries for the kind of the cell and gravity. */
 static bool needs_cell(const sp_packing *p) { return p->cell != SP_CELL_PISTON || p->gravity != 0; }
@@ -236,6 +242,11 @@ void sp_packing_put(sp_h5 *h, const sp_packing *p) {
     }
     if (p->scene)
         sp_h5_put_text(h, &name_scene, p->scene);
+    if (!isnan(p->frame)) {
+        sp_h5_group(h, "/sonopack/series");
+        sp_h5_put(h, &name_frame, SP_H5_F64, &single, &p->frame);
+        sp_h5_put(h, &name_strain, SP_H5_F64, &strains, p->strain);
+    }
     put_grains(h, p);
     put_contacts(h, p);
 }
@@ -420,6 +431,10 @@ sp_status sp_packing_get(sp_h5 *h, sp_packing *out) {
         sp_h5_get(h, name_pressure.path, SP_H5_F64, &single, &p.pressure);
         sp_h5_get_fields(h, FIELDS, field, &p);
         get_wall_and_scene(h, &p);
+        if (sp_h5_has(h, name_frame.path)) {
+            sp_h5_get(h, name_frame.path, SP_H5_F64, &single, &p.frame);
+            sp_h5_get(h, name_strain.path, SP_H5_F64, &strains, p.strain);
+        }
         get_grains(h, &p);
         get_contacts(h, pairs, &p);
     }

@@ -114,7 +114,7 @@ static void tangent_vector(const double n[3], double scalar, double ft[3]) {
 
 typedef struct header {
     int64_t grains, pairs, bottom, top, walls; /* walls: of all of them, where the header has a cell */
-    double edge[3], tilt[3], pressure, friction, poisson, gravity;
+    double edge[3], tilt[3], pressure, friction, poisson, gravity, frame, strain[SP_SERIES_STRAINS];
     uint64_t seed;
     sp_wall wall;
     sp_cell cell;
@@ -128,15 +128,19 @@ static const struct header_key {
     const char *name;
     header_kind kind;
     size_t offset;
-} header_key[] = {{"N", COUNT, offsetof(header, grains)},      {"contacts", COUNT, offsetof(header, pairs)},
-                  {"Lx", LENGTH, offsetof(header, edge[0])},   {"p", NUMBER, offsetof(header, pressure)},
-                  {"mu", NUMBER, offsetof(header, friction)},  {"nu", NUMBER, offsetof(header, poisson)},
-                  {"Ly", LENGTH, offsetof(header, edge[1])},   {"Lz", LENGTH, offsetof(header, edge[2])},
-                  {"bottom", COUNT, offsetof(header, bottom)}, {"top", COUNT, offsetof(header, top)},
-                  {"walls", COUNT, offsetof(header, walls)},   {"cell", CELL, offsetof(header, cell)},
-                  {"xy", NUMBER, offsetof(header, tilt[0])},   {"xz", NUMBER, offsetof(header, tilt[1])},
-                  {"yz", NUMBER, offsetof(header, tilt[2])},   {"gravity", NUMBER, offsetof(header, gravity)},
-                  {"seed", SEED, offsetof(header, seed)},      {"wall", WALL, offsetof(header, wall)}};
+} header_key[] = {{"N", COUNT, offsetof(header, grains)},        {"contacts", COUNT, offsetof(header, pairs)},
+                  {"Lx", LENGTH, offsetof(header, edge[0])},     {"p", NUMBER, offsetof(header, pressure)},
+                  {"mu", NUMBER, offsetof(header, friction)},    {"nu", NUMBER, offsetof(header, poisson)},
+                  {"Ly", LENGTH, offsetof(header, edge[1])},     {"Lz", LENGTH, offsetof(header, edge[2])},
+                  {"bottom", COUNT, offsetof(header, bottom)},   {"top", COUNT, offsetof(header, top)},
+                  {"walls", COUNT, offsetof(header, walls)},     {"cell", CELL, offsetof(header, cell)},
+                  {"xy", NUMBER, offsetof(header, tilt[0])},     {"xz", NUMBER, offsetof(header, tilt[1])},
+                  {"yz", NUMBER, offsetof(header, tilt[2])},     {"gravity", NUMBER, offsetof(header, gravity)},
+                  {"seed", SEED, offsetof(header, seed)},        {"wall", WALL, offsetof(header, wall)},
+                  {"frame", NUMBER, offsetof(header, frame)},    {"e_xx", NUMBER, offsetof(header, strain[0])},
+                  {"e_yy", NUMBER, offsetof(header, strain[1])}, {"e_zz", NUMBER, offsetof(header, strain[2])},
+                  {"e_yz", NUMBER, offsetof(header, strain[3])}, {"e_xz", NUMBER, offsetof(header, strain[4])},
+                  {"e_xy", NUMBER, offsetof(header, strain[5])}};
 enum { HEADER_KEYS = sizeof header_key / sizeof *header_key, WORDS_MAX = 64 };
 enum { ALWAYS = 6, KEY_LY = ALWAYS, KEY_LZ, KEY_BOTTOM, KEY_TOP, KEY_WALLS, KEY_CELL }; /* places in these rows */
 
@@ -203,7 +207,7 @@ static sp_status read_header(sp_lines *lines, header *h, sp_error *err) {
     if (words < 2 || words > WORDS_MAX || words % 2 != 0)
         return sp_fail(err, SP_EFORMAT, "%s:%lld: no header of keys and values, 'N 600 Lx 24 ...'", lines->file,
                        (long long)lines->number);
-    *h = (header){.wall = SP_WALL_RIGID, .edge = {1, 1, 1}};
+    *h = (header){.wall = SP_WALL_RIGID, .edge = {1, 1, 1}, .frame = NAN, .strain = {NAN, NAN, NAN, NAN, NAN, NAN}};
     for (int w = 0; w < words && status == SP_OK; w += 2)
         for (int k = 0; k < HEADER_KEYS && status == SP_OK; k++) {
             if (strcmp(word[w], header_key[k].name) != 0)
@@ -402,6 +406,8 @@ sp_status sp_packing_text_parse(const char *path, char *text, size_t size, sp_pa
         p.poisson = h.poisson;
         p.seed = h.seed;
         p.wall = h.wall;
+        p.frame = h.frame;
+        memcpy(p.strain, h.strain, sizeof p.strain);
     }
     for (int32_t i = 0; status == SP_OK && i < p.n; i++)
         status = read_grain(&lines, &p, i, err);
@@ -458,6 +464,15 @@ static void add_cell(sp_text *t, const sp_packing *p, int32_t walls) {
         sp_text_add(t, " gravity %.17g", p->gravity);
 }
 
+static void add_series(sp_text *t, const sp_packing *p) {
+    if (isnan(p->frame))
+        return;
+    sp_text_add(t, " frame %.17g", p->frame);
+    for (int k = 0; k < SP_SERIES_STRAINS; k++)
+        if (!isnan(p->strain[k]))
+            sp_text_add(t, " %s %.17g", sp_strain_names[k], p->strain[k]);
+}
+
 static void add_header(sp_text *t, const sp_packing *p) {
     int32_t bottom = 0, top = 0, walls = 0;
     for (int32_t c = 0; c < p->n_contacts; c++) {
@@ -481,6 +496,7 @@ static void add_header(sp_text *t, const sp_packing *p) {
         sp_text_add(t, " seed %llu", (unsigned long long)p->seed);
     if (p->wall != SP_WALL_RIGID)
         sp_text_add(t, " wall %s", sp_wall_names[p->wall]);
+    add_series(t, p);
     sp_text_add(t, "\n");
 }
 

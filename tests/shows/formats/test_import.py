@@ -170,6 +170,19 @@ def test_photoelastic():
     refused("frame 3 2", "photoelastic/particles.csv", **{**DISKS, "frame": 3})
 
 
+def test_forces_of_both_disks(write):
+    """As a solver of fringes lists them: from each disk, with errors, one of them below 0, and walls by a negative id."""
+    rows = [row.split(",") for row in (SAMPLES / "photoelastic/contacts.csv").read_text().split() if row[:2] == "1,"]
+    both = ["frame,id1,id2,Ft,Fn"] + [f"1,{a},{b},{float(ft) * k!r},{float(fn) * k!r}" for _, i, j, ft, fn in rows[1:]
+                                      for a, b, k in ((i, j, 1.1), (j, i, 0.9))]
+    words = {**DISKS, "contacts": write("both.csv", "\n".join([*both, f"1,{rows[0][1]},{rows[0][2]},0,-0.01", "1,3,-1,0,2.0"]) + "\n")}
+    p, one = (read("photoelastic/particles.csv", **more) for more in (words, DISKS))
+    assert (int(rows[0][1]), int(rows[0][2])) == (1, 2) and len(p.contacts) == len(one.contacts) - 1
+    for name in ("fn", "ft"):
+        assert np.allclose(p.contacts[name], one.contacts[name][1:], rtol=1e-12, atol=1e-20)
+    assert "of up to 0.0" in said(p) and "differ by 0.1" in said(p)
+
+
 def test_lammps_cells():
     """The pressure that LAMMPS printed is the mean of the normal stresses."""
     for name in ("sheared_grains.dump", "sheared.data"):

@@ -356,9 +356,10 @@ def test_grains_alone(ring, tmp_path):
 
 
 REFUSED = [  # what, and words of the reason
-    (lambda p: p.statics(), "walls are rings: statics"),
-    (lambda p: p.network().moduli(), "walls are rings"),
-    (lambda p: p.network(prestress=True), "walls are rings: prestress"),
+    (lambda p: p.network(prestress=True).moduli(), "walls are rings: a strain under prestress"),
+    (lambda p: p.network().finite_strain(), "walls are rings"),
+    (lambda p: p.network().local_moduli(4), "walls are rings: a grid"),
+    (lambda p: p.network().probes([("sine", 1)]), "between two walls"),
     (lambda p: p.network().dispersion(), "walls are rings"),
     (lambda p: p.network().signal(until=1, points=2, method="dynamics"), ""),
     (lambda p: p.network().signal(until=1, points=2, detectors=["part:1:2"]), "walls are rings: a part of a wall"),
