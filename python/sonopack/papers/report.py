@@ -131,12 +131,13 @@ class Page:
 # ---- the whole ------------------------------------------------------------------------------------------------------
 
 def write(paper: Any, work: Work) -> None:
-    """Writes report.html and report.md, and a table of the rows of each item. paper: the module with the TITLE, the OPENING
-    and a summary of the report, the tables of an item, and what was run; OF_FIGURES: how names of tables of figures end."""
-    page = Page(paper.TITLE)
-    page.paragraph(paper.OPENING)
+    """Writes report.html and report.md, and a table of the rows of each item. paper: the module with the summary of the
+    report, the tables of an item, and what was run; OF_FIGURES: how names of tables of figures end."""
+    page = Page(work.texts["title"])
+    page.paragraph(work.texts["opening"])
     page.heading("summary", "Summary")
     paper.write_summary(work, page)
+    page.paragraph(work.texts["reading"], "How to read the tables.")
     page.paragraph(f"sonopack {__version__}, reproduce {paper.what_was_run(work)}", "Run.")
     for item in work.wanted:
         page.heading(item, work.items[item]["title"])
@@ -150,5 +151,5 @@ def write(paper: Any, work: Work) -> None:
         if rows:
             work.save_table(item + (paper.OF_FIGURES if item.startswith("fig") else ""), paper.table(work, rows))
     page.heading("files", "Files")
-    page.paragraph(paper.FILES)
+    page.paragraph(work.texts["files"])
     page.save(work.folder)

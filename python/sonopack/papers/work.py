@@ -12,7 +12,7 @@ import re
 import signal
 import sys
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -64,7 +64,8 @@ class Work:
     none. figures: their format."""
 
     def __init__(self, paper: str, signature: str, wanted: set[str], arguments: argparse.Namespace) -> None:
-        self.items = by_key(paper, "items", "name")
+        self.paper, self.items = paper, by_key(paper, "items", "name")
+        self.texts = {row["key"]: row["text"] for row in published(paper, "texts")}
         self.signature, self.watch, self.threads = signature, Watch(arguments), arguments.threads
         self.folder, self.figures = arguments.output or "", arguments.figures
         self.wanted = [name for name in self.items if not wanted or name in wanted]
@@ -84,15 +85,16 @@ class Work:
             table.add_comment(f"sonopack {__version__}, {self.signature}")
             table.save(self.path(name, "tsv"))
 
-    def draw(self, item: str, name: str, caption: str, kind: str, *data: Any, **words: Any) -> None:
-        """Draws a kind of figure of sonopack.plot as NAME.(svg, png or pdf), if there is a folder."""
+    def draw(self, item: str, name: str, kind: str, *data: Any, caption: str = "", **words: Any) -> None:
+        """Draws a kind of figure of sonopack.plot as NAME.(svg, png or pdf), if there is a folder. caption: if it is not
+        among the texts."""
         if self.folder:
-            self._save(item, name, caption, getattr(plot, kind)(*data, **words))
+            self._save(item, name, caption or self.texts[name], getattr(plot, kind)(*data, **words))
 
-    def draw_sheet(self, item: str, name: str, caption: str, sheet: Sheet, table: Table | None = None) -> None:
+    def draw_sheet(self, item: str, name: str, sheet: Sheet, table: Table | None = None) -> None:
         """Draws curves, with their numbers in NAME.tsv, if there is a folder. table: these numbers."""
         if self.folder:
-            self._save(item, name, caption, sheet.draw())
+            self._save(item, name, self.texts[name], sheet.draw())
             self.save_table(name, sheet.table() if table is None else table)
 
     def _save(self, item: str, name: str, caption: str, axes: Any) -> None:
@@ -102,20 +104,14 @@ class Work:
         forget(figure_of(axes))
         self.sections[item].figures.append((f"{name}.{self.figures}", caption))
 
-
-# ---- numbers --------------------------------------------------------------------------------------------------------
-
-def total(values: Iterable[float]) -> float:
-    """The sum from the first to the last, on every version of Python."""
-    out = 0.0
-    for value in values:
-        out += float(value)
-    return out
-
-
-def hypot(*values: float) -> float:
-    """The length of a vector, by hypot of the C library from the left."""
-    return float(functools.reduce(np.hypot, values))
+    def table(self, rows: Sequence[Any], columns: dict[str, type], units: dict[str, str] | None = None) -> Table:
+        """Rows of the paper, of which these columns are members, with the comments that explain them."""
+        made = Table.from_columns({name: np.array([getattr(row, name) for row in rows], kind)
+                                   for name, kind in columns.items()}, units)
+        for text in published(self.paper, "texts"):
+            if text["key"] == "comment":
+                made.add_comment(text["text"])
+        return made
 
 
 # ---- progress and stopping ------------------------------------------------------------------------------------------

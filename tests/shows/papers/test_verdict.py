@@ -5,9 +5,10 @@ import pytest
 
 from sonopack.papers.blackmore.rows import Row as Claim
 from sonopack.papers.report import Page
-from sonopack.papers.somfai.claims import bessel
+from sonopack.papers.somfai.claims import _first_pulse
 from sonopack.papers.somfai.fronts import line
-from sonopack.papers.somfai.rows import Row, Sum, _claim_cells, _value_cells, counted, families, judged, mean_of
+from sonopack.papers.somfai.rows import (Mean, Row, _claim_cells, _value_cells, counted, exact, families, judged, mean_of,
+                                         ratio, speed)
 from sonopack.papers.somfai.samples import count, needs, scene
 from sonopack.papers.work import by_key, published
 
@@ -46,8 +47,10 @@ def test_rounding_of_print():
 def test_means():
     assert mean_of([1, 2, NAN, 3]) == pytest.approx((3, 2, 1, 3**-0.5))
     assert math.isnan(mean_of([1]).err) and math.isnan(mean_of([]).mean)
-    sums = Sum([1, 2, NAN, 3])
-    assert (sums.n, sums.mean) == (3, 2) and sums.err == pytest.approx(3**-0.5) and math.isnan(Sum([1]).err)
+    a, b = Mean(4, 6.0, NAN, 0.3), Mean(3, 2.0, NAN, 0.2)
+    assert ratio(a, b) == pytest.approx((3, 3, NAN, 3 * math.hypot(0.05, 0.1)), nan_ok=True)
+    assert speed(8.0, b, a) == pytest.approx((4, 2, NAN, 2 * math.hypot(0.2, 0.3) / 4), nan_ok=True)
+    assert f"{b:+.2f}" == "+2.00 +- 0.20" and ratio(b, exact(2.0)).err == pytest.approx(0.1)
 
 
 @pytest.mark.parametrize("off, systematic, side", [
@@ -118,9 +121,8 @@ def test_ensembles():
 
 
 def test_numbers():
-    fit = line([0, 1, 2], [1, 3, 5], [0.1, 0.1, 0.1])
-    assert (fit.slope, fit.intercept) == (2, 1) and fit.err == pytest.approx(0.1 / 2**0.5)
-    assert math.isnan(line([1], [1], [0]).slope)
-    j = bessel(10.0, 4)  # Abramowitz and Stegun, Table 9.1
-    assert j == pytest.approx([-0.2459357644513483, 0.0434727461688614, 0.2546303136851206, 0.0583793793051868],
-                              abs=1e-14)
+    slope, start = line([0, 1, 2], [Mean(1, y, NAN, 0.1) for y in (1, 3, 5)])
+    assert (slope.mean, start) == (2, 1) and slope.err == pytest.approx(0.1 / 2**0.5)
+    assert math.isnan(line([1], [exact(1.0)])[0].mean)
+    for early, late, exponent in zip(_first_pulse(1e3), _first_pulse(1e4), (-1, -0.5)):  # 1/t, and t^(-1/2) behind it
+        assert math.log10(late / early) == pytest.approx(exponent, abs=0.03)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
+
 from ..._column import Column, ColumnRun
 from ..._core import Floats
-from ..work import Tell, Work, total
+from ..work import Tell, Work
 from .rows import add
 
 #: of the paper: gravity [cm/s^2], amplitude [cm], restitution
@@ -48,14 +50,9 @@ def coefficients(r: float, alpha: float) -> tuple[float, float, float]:
 
 # ---- errata ---------------------------------------------------------------------------------------------------------
 
-_COLUMNS = (
-    "In the column of the paper stands what is printed, or what a printed equation gives when it is evaluated; in ours "
-    "the value that is right. Values are for the columns of Fig. 1.")
-
-
 def make_errata(work: Work, tell: Tell) -> None:
     five, ten = column(5), column(10)
-    work.say("errata", _COLUMNS)
+    work.say("errata", work.texts["errata"])
     _taps(work, five)
     _rest(work, five)
     _long_wave(work, ten)
@@ -119,10 +116,8 @@ def _long_wave(work: Work, c: Column) -> None:
 
 def _normalisation(prefactor: float, c: float) -> float:
     """Integral of Theta, (44), over all y, with a prefactor; b only shifts the maximum."""
-    points = 4000
-    step = 24 * c / points  # over 12 widths on either side the trapezoidal rule is exact
-    places = (-12 * c + k * step for k in range(points + 1))
-    return prefactor * total(math.exp(-x * x / (2 * c * c)) * step for x in places) / math.sqrt(2 * math.pi)
+    x = np.linspace(-12 * c, 12 * c, 4001)  # over 12 widths on either side the trapezoidal rule is exact
+    return float(np.trapz(prefactor / math.sqrt(2 * math.pi) * np.exp(-x**2 / (2 * c * c)), x))
 
 
 def _bsr(work: Work, c: Column) -> None:

@@ -11,7 +11,7 @@ from ..._column import Column
 from ..._core import Floats, Refused
 from ..._table import Table
 from ..sheet import Curve, Panel, Sheet
-from ..work import Tell, Work, total
+from ..work import Tell, Work
 from .column import AMPLITUDE, GRAVITY, coefficients, column, speed2
 from .rows import add
 
@@ -66,12 +66,8 @@ def _taps(work: Work, c: Column, energy: Table) -> None:
 def _show_one(work: Work, n: int, f: float, tables: dict[str, Table]) -> None:
     for name, output in (("trajectories", "trajectory"), ("strobe", "strobe"), ("energy", "energy")):
         work.save_table(f"fig1-n{n}-{name}", tables[output])
-    work.draw("fig1", f"fig1-n{n}-trajectories",
-              f"Trajectories of {n} particles, f = {f:g} Hz, T = 1 s, four taps; the floor below, ticks where taps "
-              "begin.",
-              "column", tables["trajectory"])
-    work.draw("fig1", f"fig1-n{n}-strobe", f"Density and positions of {n} particles at .99T, 1.99T, 2.99T, 3.99T.",
-              "column", tables["strobe"])
+    for name, output in (("trajectories", "trajectory"), ("strobe", "strobe")):
+        work.draw("fig1", f"fig1-n{n}-{name}", "column", tables[output], caption=work.texts[name].format(n=n, f=f))
 
 
 # ---- Fig. 2 ---------------------------------------------------------------------------------------------------------
@@ -106,7 +102,7 @@ def _positions(table: Table) -> Floats:
 def distance(a: Table, b: Table) -> tuple[float, float]:
     """Mean and largest difference of positions over particles and times."""
     off = np.abs(_positions(a) - _positions(b))
-    return total(off.ravel()) / off.size, float(off.max())
+    return float(off.mean()), float(off.max())
 
 
 def _heights(work: Work, fine: dict[str, Table], coarse: dict[str, Table]) -> None:
@@ -136,13 +132,10 @@ def _collapse(work: Work) -> None:
 
 
 def _show_two(work: Work, fine: dict[str, Table]) -> None:
-    work.draw("fig2", "fig2-surfaces",
-              "y over particle and time: lattice, long wave and BSR, ten particles at 9.5 Hz, T = 1 s, in one scale.",
-              "column", *fine.values(), labels=["lattice", "long wave", "BSR, conservative"])
+    work.draw("fig2", "fig2-surfaces", "column", *fine.values(), labels=["lattice", "long wave", "BSR, conservative"])
     errors = column(10, output="compare").table()
     work.save_table("fig2-errors", errors)
-    work.draw("fig2", "fig2-errors", "Mean and largest difference of long wave and BSR from the lattice over the "
-                                     "particles.", "column", errors)
+    work.draw("fig2", "fig2-errors", "column", errors)
 
 
 # ---- (35) and (37) --------------------------------------------------------------------------------------------------
@@ -166,10 +159,7 @@ def make_symbols(work: Work, tell: Tell) -> None:
     table = Table.from_columns({"k": k, **columns}, {"k": "1/cm", **{f"growth_{name}": "1/s" for name in NAMES}})
     table.add_comment("linearised about y = z, alpha = 1/h; ten particles of Fig. 1; speed2 in K h^2/m; the lattice's "
                       "waves end at k = pi/h")
-    work.draw_sheet("symbols", "symbols-waves",
-                    "(a) Growth rates of waves exp(i k z) by (35) and (37) as printed, about y = z; the lattice and the "
-                    "long wave here have none. (b) Squares of their speeds; below 0 there is no wave; (35) and (37) as "
-                    "in (a).", _sheet(k, growth, squares), table)
+    work.draw_sheet("symbols", "symbols-waves", _sheet(k, growth, squares), table)
 
 
 def _evaluate(c: Column) -> tuple[Floats, Floats, Floats]:

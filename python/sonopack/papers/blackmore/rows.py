@@ -5,33 +5,14 @@ import dataclasses
 import math
 from collections.abc import Sequence
 
-import numpy as np
-
 from ..._table import Table
 from ..report import Page
 from ..work import Work, by_key
 
-TITLE = "Tapping dynamics for a column of particles and beyond, computed again"
-OPENING = (
-    "Figures, equations and claims of D. Blackmore, A. Rosato, X. Tricoche, K. Urban, V. Ratnaswamy, J. Mech. "
-    "Mater. Struct. 6 (2011), [B], beside what its model gives. Units: cm, g, s. The lattice is solved exactly, "
-    "from event to event, with contacts that stick.")
-FILES = ("The rows of each item are in a file of its name: errata.tsv, fig1.tsv; the numbers behind each figure in "
-         "files whose names begin with that of the item.")
 OF_FIGURES = ""
-_COMMENTS = (
-    "Blackmore et al., J. Mech. Mater. Struct. 6 (2011), beside our values; units cm, g, s",
-    "paper: what is printed, or what follows from a printed equation or claim; nan: no number is given",
-    "precision: how sharply it is printed, or a claim in words is meant; relation: what it says of ours",
-    "err: bound of our error, or an estimate (see the note); 0: rounding alone, nan: none, as the note says",
-    "verdict agrees: the relation holds within precision and err; deviates: it does not",
-    "verdict erratum: the paper is wrong by its own premises, and ours is right; paper nan: no number is wrong",
-    "verdict not given: the paper has no number; missing: there is none of ours",
-    "claims in words: verdict holds, contradicted, or undecided where ours lies within its error of the limit")
-
-
-_COLUMNS = ("item", "equation", "quantity", "unit", "relation", "paper", "precision", "ours", "err", "verdict", "note")
-_NUMBERS = ("paper", "precision", "ours", "err")
+_COLUMNS: dict[str, type] = {
+    **dict.fromkeys(("item", "equation", "quantity", "unit", "relation"), str),
+    **dict.fromkeys(("paper", "precision", "ours", "err"), float), "verdict": str, "note": str}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -96,11 +77,7 @@ def add(work: Work, key: str, ours: float, err: float | None = None, *, paper: f
 
 def table(work: Work, rows: Sequence[Row]) -> Table:
     """The rows as a table."""
-    out = Table.from_columns({name: np.array([getattr(row, name) for row in rows], float if name in _NUMBERS else str)
-                              for name in _COLUMNS})
-    for line in _COMMENTS:
-        out.add_comment(line)
-    return out
+    return work.table(rows, _COLUMNS)
 
 
 # ---- the report -----------------------------------------------------------------------------------------------------
@@ -133,12 +110,6 @@ def write_summary(work: Work, page: Page) -> None:
         f"{claims} claims {found.count('holds')} hold, {found.count('contradicted')} are contradicted and "
         f"{found.count('undecided')} are undecided.{' What deviates or does not hold:' if faults else ''}")
     page.table(_HEAD, [(row.verdict, _cells(row)) for row in faults], True)
-    page.paragraph(
-        "Paper: what is printed, with the precision of the print, or what follows from a printed equation or "
-        "claim. Ours: with a bound of our error where it is not rounding alone. Agrees: within both. Deviates: not "
-        "so. Erratum: the paper is wrong by its own premises, and ours is right. Not given: the paper has no "
-        "number, often only a picture. Claims in words and theorems hold, are contradicted, or are undecided where "
-        "ours lies within its error of the limit; the note says what was computed.", "How to read the tables.")
 
 
 def write_tables(page: Page, rows: Sequence[Row]) -> None:

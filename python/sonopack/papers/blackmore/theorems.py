@@ -22,13 +22,6 @@ from .rows import add
 
 SETTLED = 400  # taps; N = 1, T = 0.2 s: |multiplier| = 0.83, after these only the fixed point is left
 EXPONENTS, POINTS, SHOWN, AVERAGED = 96, 240, 40, 300
-_CONCLUSION = (
-    "One particle can be chaotic, as Theorem 1 has it, for large amplitudes and for short periods. With K = 2 N m g/r "
-    "as in Fig. 1 the floor then passes through the particle's centre, against (1), and from rest the shortest period "
-    "of all, that of the tap itself, is not chaotic. With K = 100 m g/r the order holds at most points, not at short "
-    "periods and the largest amplitudes, and there is chaos where it holds, as at the points of the largest lambda. "
-    f"Exponents of chaotic orbits are averages over {AVERAGED} taps, their errors the change from the first half of "
-    "these.")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -72,7 +65,7 @@ def make_chaos(work: Work, tell: Tell) -> None:
         _exponents(work, scan, table)
         if work.folder:
             _show(work, scan, table)
-    work.say("chaos", _CONCLUSION)
+    work.say("chaos", work.texts["chaos"])
 
 
 def _fixed_point(work: Work) -> None:
@@ -127,10 +120,10 @@ def _show(work: Work, scan: Scan, exponents: Table) -> None:
     more = re.split("[,:]", violated.removeprefix("warning: "))[0]
     work.save_table(f"{scan.name}-lambda", exponents)
     work.save_table(f"{scan.name}-orbits", orbits)
-    work.draw("chaos", scan.name,
-              f"One particle, K = {scan.stiffness:g} m g/r: its position at .99T of {SHOWN} taps over the "
-              f"{scan.parameter}, and the Lyapunov exponent{f'; {more}, the centre below the floor' if more else ''}.",
-              "column", orbits, exponents)
+    told = f"; {more}, the centre below the floor" if more else ""
+    work.draw("chaos", scan.name, "column", orbits, exponents,
+              caption=f"One particle, K = {scan.stiffness:g} m g/r: its position at .99T of {SHOWN} taps over the "
+                      f"{scan.parameter}, and the Lyapunov exponent{told}.")
 
 
 # ---- claims ---------------------------------------------------------------------------------------------------------

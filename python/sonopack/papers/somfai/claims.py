@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from ..._signal import front
-from ..work import Published, hypot, number, published, total
-from .fronts import MARKS, Distance, boxes, line, rms_after
+from ..work import Published, number, published
+from .fronts import MARKS, boxes, power, rms_after
 from .packings import LEVELS, damped
-from .rows import Row, Sum, counted, mean_of
+from .rows import Mean, Row, counted, exact, mean_of, ratio, speed
 from .samples import PRESSURES, SomfaiWork, member
 from .speeds import NAMES, lattice_long, lattice_small, lattice_speed
 
@@ -112,79 +112,59 @@ _MARGINS = (("Phi2", 0.001, "phi2"), ("Phi3s", 0.01, "phi3s"), ("zs", 0.01, "zs"
 
 def _margins(work: SomfaiWork) -> None:
     """Layers left out at the walls: l = 1 and l = 5, minus l = 3."""
-    thin, thick = ([Sum() for _ in _MARGINS] for _ in range(2))
-    for p in PRESSURES:
-        for _, packing, _ in work.walk("square", p):
-            one, three, five = (packing.statics(1e-4, margin) for margin in (1.0, 3.0, 5.0))
-            for k, (_, _, name) in enumerate(_MARGINS):
-                thin[k].add(getattr(one, name) - getattr(three, name))
-                thick[k].add(getattr(five, name) - getattr(three, name))
-    for (name, digit, _), a, b in zip(_MARGINS, thin, thick):
-        work.claim("margin", b.mean, b.err, b.n, name=name, within=digit)
-        work.say("claims", f"{name} with l = 1 is {a.mean:+.4f} +- {a.err:.4f} off that with l = 3, with l = 5 "
-                           f"{b.mean:+.4f} +- {b.err:.4f}.")
+    found = [[packing.statics(1e-4, margin) for margin in (1.0, 3.0, 5.0)]
+             for p in PRESSURES for _, packing, _ in work.walk("square", p)]
+    for name, digit, member_ in _MARGINS:
+        of = np.array([[getattr(statics, member_) for statics in three] for three in found])
+        thin, thick = mean_of(of[:, 0] - of[:, 1]), mean_of(of[:, 2] - of[:, 1])
+        work.claim("margin", thick, name=name, within=digit)
+        work.say("claims", f"{name} with l = 1 is {thin:+.4f} off that with l = 3, with l = 5 {thick:+.4f}.")
 
 
-def _participation(work: SomfaiWork, pressure: float) -> tuple[Sum, Sum, Sum]:
+def _participation(work: SomfaiWork, pressure: float) -> list[Mean]:
     """Makse et al. 1999: Pi = 1/(M sum q^2), q = f/sum f, where f is the magnitude of the total force of each of M
-    contacts. Pi, and Pi Z(2) from total and from normal forces: a value a packing."""
-    number, whole, normal = Sum(), Sum(), Sum()
+    contacts. Pi, and Pi Z(2) from total and from normal forces."""
+    rows = []
     for _, packing, network in work.walk("square", pressure):
         c = packing.contacts[network.springs["contact"]]
-        squares = c["fn"] * c["fn"] + c["ft"][:, 0] ** 2 + c["ft"][:, 1] ** 2 + c["ft"][:, 2] ** 2
-        f, m = np.sqrt(squares), len(c)
-        f1, n1 = total(f), total(c["fn"])
-        pi = 1 / (m * total(f / f1 * (f / f1)))
-        number.add(pi)
-        whole.add(pi * m * total(f * f) / (f1 * f1))
-        normal.add(pi * m * total(c["fn"] * c["fn"]) / (n1 * n1))
-    return number, whole, normal
+        f, n = np.sqrt(c["fn"]**2 + (c["ft"]**2).sum(axis=1)), c["fn"]
+        pi = 1 / (len(c) * ((f / f.sum())**2).sum())
+        rows.append((pi, *(pi * len(c) * (force**2).sum() / force.sum()**2 for force in (f, n))))
+    return [mean_of(column) for column in zip(*rows)]
 
 
 def _forces(work: SomfaiWork) -> None:
-    numbers, wholes = [], Sum()
-    for p in PRESSURES:
-        number, whole, normal = _participation(work, p)
-        numbers.append(number)
-        wholes.add(whole.mean)
-        work.say("claims", f"p = {p:g}: Pi = {number.mean:.3f} +- {number.err:.3f} over all contacts that carry, walls "
-                           f"included; times Z(2) of the normal forces {normal.mean:.4f} +- {normal.err:.4f}.")
-    work.claim("identity", wholes.mean, 0.0)
-    own = line([math.log(p) for p in PRESSURES], [math.log(n.mean) for n in numbers], [n.err / n.mean for n in numbers])
-    work.claim("constant", own.slope, own.err)
+    found = [_participation(work, p) for p in PRESSURES]
+    for p, (number, _, normal) in zip(PRESSURES, found):
+        work.say("claims", f"p = {p:g}: Pi = {number:.3f} over all contacts that carry, walls included; times Z(2) of "
+                           f"the normal forces {normal:.4f}.")
+    work.claim("identity", exact(mean_of(whole.mean for _, whole, _ in found).mean))
+    work.claim("constant", power(PRESSURES, [number for number, _, _ in found]))
 
 
 # ---- fronts ---------------------------------------------------------------------------------------------------------
 
-def _speed_between(low: Distance, high: Distance) -> tuple[float, float]:
-    """Speed between two heights from t10, and its error."""
-    time = high.t10.mean - low.t10.mean
-    speed = (high.distance - low.distance) / time
-    return speed, speed * hypot(low.t10.err, high.t10.err) / time
-
-
 def _large_scale(work: SomfaiWork) -> None:
     found = boxes(work)
-    by_grains = {d.grains: k for k, d in enumerate(found)}
-    ours = error = math.nan
-    if {200, 600} <= set(by_grains) and len(found) - 1 > by_grains[600]:
-        near, near_err = _speed_between(found[by_grains[200]], found[by_grains[600]])
-        far, far_err = _speed_between(*found[-2:])
-        ours = near / far
-        error = abs(ours) * hypot(near_err / near, far_err / far)
-    work.claim("large-scale", ours, error)
+    by_grains = {d.grains: d for d in found}
+    ours = exact(math.nan)
+    if {200, 600} <= set(by_grains) and found[-1].grains > 600:
+        near, far = (speed(high.distance - low.distance, low.t10, high.t10)
+                     for low, high in ((by_grains[200], by_grains[600]), found[-2:]))
+        ours = ratio(near, far)._replace(n=0)
+    work.claim("large-scale", ours)
 
 
 def _marks(work: SomfaiWork) -> None:
     """The ratio of c from a later mark to c_tof is the ratio of the two delays. The marks of one packing vary together,
     so the error is that of t10 - ratio x mark."""
-    low, high = ([[member(f"front.{mark}")(s) for s in work.some(e, 1e-4, parts="front")] for mark in MARKS]
+    low, high = (np.array([[member(f"front.{mark}")(s) for mark in MARKS] for s in work.some(e, 1e-4, parts="front")]).T
                  for e in ("low", "square"))
+    delay = high.mean(axis=1) - low.mean(axis=1)
     for k, name in ((1, "c by the first peak over c_tof"), (2, "c by the zero crossing over c_tof")):
-        delay = Sum(high[k]).mean - Sum(low[k]).mean
-        ratio = (Sum(high[0]).mean - Sum(low[0]).mean) / delay
-        u, v = (Sum(1 * t10 + -ratio * mark for t10, mark in zip(each[0], each[k])) for each in (low, high))
-        work.claim("mark", ratio, hypot(u.err, v.err) / delay, name=name)
+        of = delay[0] / delay[k]
+        u, v = (mean_of(each[0] - of * each[k]) for each in (low, high))
+        work.claim("mark", Mean(0, of, math.nan, math.hypot(u.err, v.err) / delay[k]), name=name)
 
 
 # ---- lattices -------------------------------------------------------------------------------------------------------
@@ -192,22 +172,22 @@ def _marks(work: SomfaiWork) -> None:
 def _lattices(work: SomfaiWork) -> None:
     """Equal balls, Fig. 8."""
     theory = [lattice_speed(5e-7, eta) for eta in (0, 1)]
-    off = [lattice_small(work, bool(k), 5e-7) / theory[k] for k in (0, 1)]
-    far = [lattice_long(work, bool(k))[1] / theory[k] for k in (0, 1)]
-    work.claim("lattice-smooth", off[0], 0.0)
-    work.claim("lattice-friction", off[1], 0.0)
-    work.claim("lattice-approach", abs(far[1] - 1) / abs(off[1] - 1), 0.0)
-    work.claim("lattice-finite", abs(off[1] - 1) / abs(off[0] - 1), 0.0)
+    smooth, rough = (lattice_small(work, bool(k), 5e-7) / theory[k] for k in (0, 1))
+    far = lattice_long(work, True)[1] / theory[1]
+    work.claim("lattice-smooth", exact(smooth))
+    work.claim("lattice-friction", exact(rough))
+    work.claim("lattice-approach", exact(abs(far - 1) / abs(rough - 1)))
+    work.claim("lattice-finite", exact(abs(rough - 1) / abs(smooth - 1)))
 
 
 LOWER, HIGHER = 216, 672  # grains
 
 
-def _over(work: SomfaiWork, ensemble: str, friction: bool, p: float, grains: int, path: str) -> Sum:
+def _over(work: SomfaiWork, ensemble: str, friction: bool, p: float, grains: int, path: str) -> Mean:
     """A quantity over the samples of a set."""
     part = path.split(".")[0]
     some = work.some(ensemble, p, grains, part if "." in path else "front")
-    return Sum(member(path)(sample) for sample in some if (sample.friction > 0) == friction)
+    return mean_of(member(path)(sample) for sample in some if (sample.friction > 0) == friction)
 
 
 def _unequal(work: SomfaiWork) -> None:
@@ -216,16 +196,14 @@ def _unequal(work: SomfaiWork) -> None:
     for p, reduced in ((1e-6, 0.1), (1e-5, 1.0), (1e-4, 10.0)):
         for friction, kind in enumerate(NAMES):
             where = ("uneven", bool(friction), p)
-            h1, h2 = (_over(work, *where, grains, "height") for grains in (LOWER, HIGHER))
-            t1, t2 = (_over(work, *where, grains, "front.t10") for grains in (LOWER, HIGHER))
-            time, perfect = t2.mean - t1.mean, lattice_small(work, bool(friction), p)
-            speed = (h2.mean - h1.mean) / time
-            error = speed * hypot(t1.err, t2.err) / time
-            words: dict[str, Any] = {"samples": t2.n, "p": p, "reduced": reduced, "kind": kind}
-            work.claim("uneven-above" if reduced >= 1 else "uneven-below", speed / perfect, error / perfect, **words)
+            (h1, t1), (h2, t2) = ([_over(work, *where, grains, path) for path in ("height", "front.t10")]
+                                  for grains in (LOWER, HIGHER))
+            words: dict[str, Any] = {"p": p, "reduced": reduced, "kind": kind}
+            own, perfect = speed(h2.mean - h1.mean, t1, t2), lattice_small(work, bool(friction), p)
+            work.claim("uneven-above" if reduced >= 1 else "uneven-below", ratio(own, exact(perfect, own.n)), **words)
             if reduced >= 1:
                 z = _over(work, *where, HIGHER, "statics.zs")
-                work.claim("uneven-contacts", z.mean, z.err, **words)
+                work.claim("uneven-contacts", z._replace(n=t2.n), **words)
 
 
 def _four(work: SomfaiWork) -> None:
@@ -235,91 +213,70 @@ def _four(work: SomfaiWork) -> None:
     for friction, kind in enumerate(NAMES):
         a, b = (_over(work, "uneven-low", bool(friction), p, HIGHER, "statics.zs") for p in (lower, upper))
         limit = a.mean - (b.mean - a.mean) / (root - 1)
-        work.claim("four", limit, hypot(a.err * root, b.err) / (root - 1), a.n, kind=kind)
-        work.say("claims", f"Lattice of balls 1 +- 0.005, {'with' if friction else 'without'} friction: z* = "
-                           f"{a.mean:.3f} +- {a.err:.3f} at p = 1e-7, {b.mean:.3f} +- {b.err:.3f} at 1e-6.")
+        work.claim("four", Mean(a.n, limit, math.nan, math.hypot(a.err * root, b.err) / (root - 1)), kind=kind)
+        work.say("claims", f"Lattice of balls 1 +- 0.005, {'with' if friction else 'without'} friction: z* = {a:.3f} "
+                           f"at p = 1e-7, {b:.3f} at 1e-6.")
 
 
 # ---- modes and damping ----------------------------------------------------------------------------------------------
 
-def _count_soft(work: SomfaiWork, ensemble: str) -> Sum:
-    found = Sum()
+def _count_soft(work: SomfaiWork, ensemble: str) -> Mean:
+    found = []
     for _, _, network in work.walk(ensemble, 1e-4, most=PACKINGS):
         modes = network.modes(vectors=False, solver="dense")
-        found.add(int(np.sum(modes.omega[modes.n_zero:] < SOFT)))
+        found.append(int(np.sum(modes.omega[modes.n_zero:] < SOFT)))
         work.tell("low modes", 0.9)
-    return found
+    return mean_of(found)
 
 
 def _soft_modes(work: SomfaiWork) -> None:
     rough, smooth = _count_soft(work, "square"), _count_soft(work, "smooth")
-    a, b = rough.mean, smooth.mean
-    work.say("claims", f"Modes with 0 < omega < {SOFT:g}: {a:.1f} +- {rough.err:.1f} a packing with friction, {b:.1f} "
-                       f"+- {smooth.err:.1f} without.")
-    work.claim("soft", b / a, b / a * hypot(rough.err / a, smooth.err / b), smooth.n)
+    work.say("claims", f"Modes with 0 < omega < {SOFT:g}: {rough:.1f} a packing with friction, {smooth:.1f} without.")
+    work.claim("soft", ratio(smooth, rough)._replace(n=smooth.n))
 
 
 def _damping(work: SomfaiWork) -> None:
     """Ratios to the signal without damping, a value a packing."""
-    levels = LEVELS[1:]
-    peaks, rests, losses, arrivals, times = ([Sum() for _ in levels] for _ in range(5))
-    bare_times = Sum()
+    levels, found, bare_times = LEVELS[1:], [], []
     for _, _, network in work.walk("square", 1e-4, most=PACKINGS):
         bare = damped(network, 0.0)
         first = front(bare.t, bare.F)
         rest0 = rms_after(bare.t, bare.F, first.t_zero)
-        for k, zeta in enumerate(levels):
+        rows = []
+        for zeta in levels:
             s = damped(network, zeta)
             own = front(s.t, s.F)
             peak, rest = own.amplitude / first.amplitude, rms_after(s.t, s.F, first.t_zero) / rest0
-            for sums, value in ((peaks, peak), (rests, rest), (losses, (1 - peak) / (1 - rest)),
-                                (arrivals, own.t10 / first.t10), (times, own.t10)):
-                sums[k].add(value)
-        bare_times.add(first.t10)
+            rows.append((peak, rest, (1 - peak) / (1 - rest), own.t10 / first.t10, own.t10))
+        found.append(rows)
+        bare_times.append(first.t10)
         work.tell("damping", 0.95)
-    for k, zeta in enumerate(levels):
-        work.claim("damping", losses[k].mean, losses[k].err, peaks[k].n, zeta=zeta)
-        work.say("claims", f"zeta = {zeta:g}: the first peak keeps {peaks[k].mean:.3f} +- {peaks[k].err:.3f} of its "
-                           f"height, what follows {rests[k].mean:.3f} +- {rests[k].err:.3f} of its root mean square; "
-                           f"t10 goes from {bare_times.mean:.1f} to {times[k].mean:.1f}.")
-    work.claim("strong", peaks[-1].mean, peaks[-1].err, peaks[-1].n, zeta=levels[-1])
-    work.claim("strong-arrival", arrivals[-1].mean, arrivals[-1].err, peaks[-1].n, zeta=levels[-1])
+    bare_time = mean_of(bare_times).mean
+    for zeta, columns in zip(levels, np.moveaxis(np.array(found), 0, 2)):
+        peak_, rest_, loss, arrival, time = map(mean_of, columns)
+        work.claim("damping", loss._replace(n=peak_.n), zeta=zeta)
+        work.say("claims", f"zeta = {zeta:g}: the first peak keeps {peak_:.3f} of its height, what follows {rest_:.3f} "
+                           f"of its root mean square; t10 goes from {bare_time:.1f} to {time.mean:.1f}.")
+    work.claim("strong", peak_, zeta=zeta)
+    work.claim("strong-arrival", arrival._replace(n=peak_.n), zeta=zeta)
 
 
 # ---- Eq. (17) -------------------------------------------------------------------------------------------------------
-
-def bessel(x: float, n: int) -> list[float]:
-    """J_0 .. J_(n - 1) at x > 0 by the downward recurrence J_(m-1) = (2m/x) J_m - J_(m+1), normalised by J_0^2 + 2 sum
-    J_m^2 = 1, with the sign of J_0 + 2 sum J_2k = 1 (Abramowitz and Stegun, 9.1.76 and 9.1.46)."""
-    order = int(x + 30 + 15 * float(np.cbrt(x)))
-    order += order % 2
-    j = [0.0] * max(n, order + 1)
-    above, here, even, squares = 0.0, 1e-140, 0.0, 0.0
-    for m in range(order, 0, -1):
-        j[m] = here
-        if m % 2 == 0:
-            even += here
-        squares += here * here
-        above, here = here, 2 * m / x * here - above
-    j[0] = here
-    scale = math.copysign(1 / math.sqrt(here * here + 2 * squares), here + 2 * even)
-    return [value * scale for value in j[:n]]
-
 
 def _first_pulse(t: float) -> tuple[float, float]:
     """The chain whose first ball, next to the wall, has velocity c at t = 0 (units of sp_chain). The method of images
     gives u'_n = J_(2n-2)(2t) - J_(2n+2)(2t). The kinetic energy from the front back to the first zero crossing, and the
     root mean square of u' behind it."""
-    orders = int(2 * t + 30 + 15 * float(np.cbrt(2 * t)))
-    orders += orders % 2 + 4
-    j = bessel(2 * t, orders)
-    v = [j[2 * n - 2] - j[2 * n + 2] for n in range(orders // 2 - 2, 0, -1)]  # from the front
-    end = next(k for k, one in enumerate(v) if one < 0 and orders // 2 - 2 - k < t)
-    return total(0.5 * one * one for one in v[:end]), math.sqrt(total(one * one for one in v[end:]) / (len(v) - end))
+    from scipy.special import jv
+
+    balls = int(t + 15 + 8 * np.cbrt(2 * t))  # beyond these nothing moves
+    j = jv(2 * np.arange(balls + 2), 2 * t)
+    v = (j[:-2] - j[2:])[::-1]  # from the front
+    end = int(np.flatnonzero((v < 0) & (np.arange(balls, 0, -1) < t))[0])
+    return float(0.5 * np.sum(v[:end]**2)), math.sqrt(np.mean(v[end:]**2))
 
 
 def _energy(work: SomfaiWork) -> None:
     early, late = 1e4, 1e5
-    (energy, behind), (later, later_behind) = _first_pulse(early), _first_pulse(late)
-    work.claim("energy", math.log(later / energy) / math.log(late / early), 0.0)
-    work.claim("oscillations", math.log(later_behind / behind) / math.log(late / early), 0.0)
+    for key, before, after in zip(("energy", "oscillations"), _first_pulse(early), _first_pulse(late)):
+        work.claim(key, exact(math.log(after / before) / math.log(late / early)))

@@ -9,13 +9,11 @@ from typing import Any
 import numpy as np
 
 from ..._chain import chain_front
-from ..._core import Floats, SonopackError, call, new, pointer_to
-from ..._native import lib
+from ..._core import Floats, SonopackError
 from ..._records import Front
 from ..._signal import front
 from ..sheet import Curve, Panel, Sheet
-from ..work import hypot, total
-from .rows import Mean, mean_of
+from .rows import Mean, exact, mean_of, ratio, speed
 from .samples import SomfaiWork, member
 
 #: distances of boxes: ensembles with numbers of grains
@@ -64,32 +62,22 @@ def fitted(distances: Sequence[Distance], most: float) -> list[Distance]:
     return [d for d in distances if 6 <= d.distance <= most]
 
 
-@dataclasses.dataclass(frozen=True)
-class Line:
-    """A straight line, and the error of its slope; NAN for fewer than two points."""
-
-    slope: float
-    intercept: float
-    err: float
-
-
-def line(x: Sequence[float], y: Sequence[float], y_err: Sequence[float]) -> Line:
-    """Least squares with equal weights; the error follows from those of the points, 0 for points without."""
-    n = len(x)
-    if n < 2:
-        return Line(math.nan, math.nan, math.nan)
-    x_mean, y_mean = total(each / n for each in x), total(each / n for each in y)
-    xx = total((a - x_mean) * (a - x_mean) for a in x)
-    xy = total((a - x_mean) * (b - y_mean) for a, b in zip(x, y))
-    variance = total(math.pow((a - x_mean) * (e if math.isfinite(e) else math.nan), 2) for a, e in zip(x, y_err))
-    return Line(xy / xx, y_mean - xy / xx * x_mean, math.sqrt(variance) / xx)
+def line(x: Sequence[float], y: Sequence[Mean]) -> tuple[Mean, float]:
+    """Slope and intercept of the line of least squares, all weights equal; the error follows from those of the points.
+    NAN for fewer than two points."""
+    if len(x) < 2:
+        return exact(math.nan), math.nan
+    values, errors = np.array([each.mean for each in y]), np.array([each.err for each in y])
+    off = np.array(x) - np.mean(x)
+    slope = float(off @ values / (off @ off))
+    return (Mean(0, slope, math.nan, float(np.linalg.norm(off * errors) / (off @ off))),
+            float(np.mean(values) - slope * np.mean(x)))
 
 
-def power(distances: Sequence[Distance], of: str) -> Line:
-    """A line through ln mean against ln distance."""
-    means = [getattr(d, of) for d in distances]
-    return line([math.log(d.distance) for d in distances], [math.log(m.mean) for m in means],
-                [m.err / m.mean for m in means])
+def power(x: Sequence[float], y: Sequence[Mean]) -> Mean:
+    """The slope of ln y against ln x."""
+    logarithms = [Mean(m.n, math.log(m.mean), math.nan, m.err / m.mean) for m in y]
+    return line([math.log(each) for each in x], logarithms)[0]
 
 
 # ---- signals --------------------------------------------------------------------------------------------------------
@@ -128,22 +116,17 @@ def front_of(t: Floats, f: Floats) -> Front | None:
 
 def signals(work: SomfaiWork, ensemble: str, until: float, points: int, grains: int = 0) -> Signals:
     """Averages over all packings at p = 1e-4."""
-    average = new("sp_signal_average", lib.sp_signal_average_free, lib.sp_signal_average_none)
-    single: list[Floats] = []
-    for _, _, network in work.walk(ensemble, 1e-4, grains):
-        signal = network.signal(method="chebyshev", until=until, points=points)
-        call(lib.sp_signal_average_add, average, points, pointer_to(signal.t), pointer_to(signal.F))
-        if len(single) < 4:
-            single.append(signal.F.copy())
-    t, mean = (np.array([row[k] for k in range(points)]) for row in (average.t, average.mean))
-    rms = np.array([lib.sp_signal_average_rms(average, k) for k in range(points)])
-    return Signals(int(average.count), t, mean, rms, single)
+    found = [network.signal(method="chebyshev", until=until, points=points)
+             for _, _, network in work.walk(ensemble, 1e-4, grains)]
+    f = np.array([signal.F for signal in found])
+    rms = f.std(axis=0) if len(f) > 1 else np.full(points, math.nan)
+    return Signals(len(f), np.array(found[0].t), f.mean(axis=0), rms, list(f[:4]))
 
 
 def rms_after(t: Floats, f: Floats, time: float) -> float:
     """Root mean square of a signal after a time; NAN if it ends before."""
     later = f[t > time]
-    return math.sqrt(total(later * later) / len(later)) if len(later) else math.nan
+    return math.sqrt(np.mean(later**2)) if len(later) else math.nan
 
 
 # ---- Fig. 6: arrival times against distance -------------------------------------------------------------------------
@@ -156,40 +139,29 @@ FITS = (("50", 60.0), ("100", math.inf))
 
 def make_arrivals(work: SomfaiWork, item: str) -> None:
     found = boxes(work)
-    lines = [_line(fitted(found, most)) for _, most in FITS]
-    for (name, _), own in zip(FITS, lines):
-        work.state(f"slope-{name}", 1 / own.slope, own.err / (own.slope * own.slope))
+    lines = [line([d.distance for d in some], [d.t10 for d in some])
+             for some in (fitted(found, most) for _, most in FITS)]
+    for (name, _), (slope, _) in zip(FITS, lines):
+        work.state(f"slope-{name}", ratio(exact(1.0), slope))
     for low, high in zip(found, found[1:]):
-        rise, time = high.distance - low.distance, high.t10.mean - low.t10.mean
         work.say(item, f"Between L = {low.distance:.3g} and {high.distance:.3g} the arrival moves with "
-                       f"{rise / time:.3f} +- {rise / (time * time) * hypot(low.t10.err, high.t10.err):.3f}.")
+                       f"{speed(high.distance - low.distance, low.t10, high.t10):.3f}.")
     work.say(item, "The paper does not say how tall its tallest boxes were; the speed falls with the distance, so that "
                    "the slope depends on that.")
     if work.folder:
         _draw_arrivals(work, item, found, lines)
 
 
-def _line(some: Sequence[Distance]) -> Line:
-    return line([d.distance for d in some], [d.t10.mean for d in some], [d.t10.err for d in some])
-
-
-def _draw_arrivals(work: SomfaiWork, item: str, found: Sequence[Distance], lines: Sequence[Line]) -> None:
-    distance = np.array([d.distance for d in found])
-    curves = []
-    for k, name in enumerate(MARKS):
-        means = [getattr(d, name) for d in found]
-        curves.append(Curve(distance, np.array([m.mean for m in means]), LABELS[k],
-                            error=np.array([m.err for m in means]), ink=k + 1, dash=None, mark=SHAPES[k], open=True))
-    for (name, most), own, dash in zip(FITS, lines, (0, 1)):
-        some = fitted(found, most)
-        if math.isfinite(own.slope):
-            x = np.array([0, 1.05 * some[-1].distance])
-            label = f"slope 1/{1 / own.slope:.3f}, |L| to {name}"
-            curves.append(Curve(x, own.intercept + own.slope * x, label, dash=dash, width=0.7))
+def _draw_arrivals(work: SomfaiWork, item: str, found: Sequence[Distance], lines: Sequence[tuple[Mean, float]]) -> None:
+    curves = [curve_of(_of(found, name), label=LABELS[k], ink=k + 1, dash=None, mark=SHAPES[k], open=True)
+              for k, name in enumerate(MARKS)]
+    for (name, most), (slope, start), dash in zip(FITS, lines, (0, 1)):
+        if math.isfinite(slope.mean):
+            x = np.array([0, 1.05 * fitted(found, most)[-1].distance])
+            label = f"slope 1/{1 / slope.mean:.3f}, |L| to {name}"
+            curves.append(Curve(x, start + slope.mean * x, label, dash=dash, width=0.7))
     panel = Panel(curves, "distance |L| [|d|]", TIME_AXIS, x=(0, None), inset=_inset(work))
-    work.draw_sheet(item, "fig6",
-                    "Times of arrival, peak and zero crossing against the distance, means of boxes 24 wide at p = "
-                    "1e-4; inset: the three marks on the signal of the packing of Fig. 1.", Sheet([panel], aspect=0.9))
+    work.draw_sheet(item, "fig6", Sheet([panel], aspect=0.9))
 
 
 def _inset(work: SomfaiWork) -> Panel | None:
@@ -215,8 +187,8 @@ def make_table3(work: SomfaiWork, item: str) -> None:
     heights = boxes(work)
     for source, name in (("velocity", "equal-A"), ("displacement", "equal-B")):
         half, whole = (chain_front(n, source) for n in (500000, 1000000))
-        work.state(f"gamma-{name}", math.log(half.amplitude / whole.amplitude) / math.log(2.0), 0.0)
-        work.state(f"alpha-{name}", math.log(whole.width / half.width) / math.log(2.0), 0.0)
+        work.state(f"gamma-{name}", exact(math.log2(half.amplitude / whole.amplitude)))
+        work.state(f"alpha-{name}", exact(math.log2(whole.width / half.width)))
     for spread in SPREADS:
         _fits(work, f"chain-{spread}", chains(work, spread))
     _fits(work, "boxes-50", fitted(heights, 60))
@@ -225,51 +197,51 @@ def make_table3(work: SomfaiWork, item: str) -> None:
                    "straight lines, log against log, through all lengths of chains and through the boxes of the range, "
                    "with the standard errors of the means.")
     for low, high in zip(heights, heights[1:]):
-        gamma, alpha = power([low, high], "amplitude"), power([low, high], "width")
-        work.say(item, f"Between L = {low.distance:.3g} and {high.distance:.3g}: gamma = {-gamma.slope:.2f} +- "
-                       f"{gamma.err:.2f}, alpha = {alpha.slope:.2f} +- {alpha.err:.2f}.")
+        gamma, alpha = _exponents([low, high])
+        work.say(item, f"Between L = {low.distance:.3g} and {high.distance:.3g}: gamma = {gamma:.2f}, alpha = "
+                       f"{alpha:.2f}.")
+
+
+def _exponents(distances: Sequence[Distance]) -> tuple[Mean, Mean]:
+    """gamma and alpha of a fit through the fronts at several distances."""
+    x = [d.distance for d in distances]
+    gamma, alpha = power(x, [d.amplitude for d in distances]), power(x, [d.width for d in distances])
+    return gamma._replace(mean=-gamma.mean), alpha
 
 
 def _fits(work: SomfaiWork, name: str, distances: Sequence[Distance]) -> None:
-    """Exponents of fits through the fronts at several distances."""
-    gamma, alpha = power(distances, "amplitude"), power(distances, "width")
-    work.state(f"gamma-{name}", -gamma.slope, gamma.err)
-    work.state(f"alpha-{name}", alpha.slope, alpha.err)
+    for exponent, ours in zip(("gamma", "alpha"), _exponents(distances)):
+        work.state(f"{exponent}-{name}", ours)
 
 
 # ---- Fig. 7 ---------------------------------------------------------------------------------------------------------
 
-@dataclasses.dataclass(frozen=True)
-class Scaling:
-    """Values against distance, and local exponents between neighbouring distances."""
-
-    distance: Floats
-    value: Floats
-    err: Floats
-    middle: Floats
-    local: Floats
-    local_err: Floats
+#: distances, and a value at each
+System = tuple[Sequence[float], Sequence[Mean]]
 
 
-def _scaling(distance: Sequence[float], value: Sequence[float], err: Sequence[float], sign: int) -> Scaling:
-    """sign: of the exponent that is positive."""
-    pairs = range(len(distance) - 1)
-    steps = [math.log(distance[k + 1] / distance[k]) for k in pairs]
-    middle = [math.sqrt(distance[k] * distance[k + 1]) for k in pairs]
-    local = [sign * math.log(value[k + 1] / value[k]) / steps[k] for k in pairs]
-    local_err = [hypot(err[k] / value[k], err[k + 1] / value[k + 1]) / steps[k] for k in pairs]
-    return Scaling(*map(np.array, (distance, value, err, middle, local, local_err)))
+def _of(distances: Sequence[Distance], name: str) -> System:
+    return [d.distance for d in distances], [getattr(d, name) for d in distances]
 
 
-def _of(distances: Sequence[Distance], name: str, sign: int) -> Scaling:
-    means = [getattr(d, name) for d in distances]
-    return _scaling([d.distance for d in distances], [m.mean for m in means], [m.err for m in means], sign)
-
-
-def _equal(name: str, sign: int) -> Scaling:
+def _equal(name: str) -> System:
     """Chains of equal balls, exactly."""
-    balls = [math.floor(4 * math.pow(1000 / 4, k / (EXACT - 1)) + 0.5) for k in range(EXACT)]
-    return _scaling([float(n) for n in balls], [getattr(chain_front(n), name) for n in balls], [0.0] * EXACT, sign)
+    balls = np.floor(np.geomspace(4, 1000, EXACT) + 0.5).astype(int).tolist()
+    return balls, [exact(getattr(chain_front(n), name)) for n in balls]
+
+
+def _local(system: System, sign: int) -> System:
+    """Exponents between neighbouring distances, at their geometric means. sign: of the one that is positive."""
+    x, y = system
+    found = [power(x[k:k + 2], y[k:k + 2]) for k in range(len(x) - 1)]
+    return np.sqrt(np.array(x[:-1]) * x[1:]).tolist(), [m._replace(mean=sign * m.mean) for m in found]
+
+
+def curve_of(system: System, **words: Any) -> Curve:
+    """A curve with errors, unless its values are exact."""
+    x, y = system
+    err = np.array([m.err for m in y])
+    return Curve(np.array(x), np.array([m.mean for m in y]), error=err if err.any() else None, **words)
 
 
 _LOOKS: tuple[dict[str, Any], ...] = (
@@ -280,16 +252,14 @@ _LOOKS: tuple[dict[str, Any], ...] = (
 _AXES = (("|A|/|A|_{1}", "|γ|_{eff} = −d log |A| / d log |L|"), ("|W|/|W|_{1}", "|α|_{eff} = d log |W| / d log |L|"))
 
 
-def _panel(k: int, systems: Sequence[Scaling]) -> Panel:
-    """(a) the height A of the first peak, (b) its width W."""
+def _panel(k: int, systems: Sequence[System], exponents: Sequence[System]) -> Panel:
+    """(a) the height A of the first peak, (b) its width W. The first panel has the legend."""
     main, small = [], []
-    for s, look in zip(systems, _LOOKS):
-        plain = look["label"] == "chain, equal balls"
-        # the panel above has the legend
-        words: dict[str, Any] = {**look, "width": 0.8, "label": "" if k else look["label"]}
-        main.append(Curve(s.middle, s.local, **words, error=None if plain else s.local_err))
-        words["label"] = ""
-        small.append(Curve(s.distance, s.value / s.value[0], **words, error=None if plain else s.err / s.value[0]))
+    for (x, y), local, look in zip(systems, exponents, _LOOKS):
+        first = y[0].mean if y else math.nan
+        over = [m._replace(mean=m.mean / first, err=m.err / first) for m in y]
+        main.append(curve_of(local, width=0.8, **{**look, "label": "" if k else look["label"]}))
+        small.append(curve_of((x, over), width=0.8, **{**look, "label": ""}))
     inset = Panel(small, "|L| [|d|]", _AXES[k][0], log="xy")
     return Panel(main, "distance |L| [|d|]", _AXES[k][1], tag=("(a)", "(b)")[k], log="x", x=(3, 1000), y=(0, None),
                  inset=inset)
@@ -297,20 +267,20 @@ def _panel(k: int, systems: Sequence[Scaling]) -> Panel:
 
 def make_scaling(work: SomfaiWork, item: str) -> None:
     heights, unequal = boxes(work), [chains(work, spread) for spread in SPREADS]
-    parts = [[_of(heights, name, sign), _equal(name, sign), *(_of(each, name, sign) for each in unequal)]
-             for name, sign in (("amplitude", -1), ("width", 1))]
-    work.draw_sheet(item, "fig7", "Local exponents of (a) the height A of the first peak and (b) its width W = t_zero "
-                                  "- t10; insets: A and W over those of the shortest distance.",
-                    Sheet([_panel(k, part) for k, part in enumerate(parts)], aspect=0.95))
-    (a, equal_a, *_), (w, equal_w, *_) = parts
-    if len(a.local):
-        work.say(item, f"In boxes 24 wide gamma goes from {a.local[0]:.2f} +- {a.local_err[0]:.2f} at L = "
-                       f"{a.middle[0]:.3g} to {a.local[-1]:.2f} +- {a.local_err[-1]:.2f} at L = {a.middle[-1]:.3g}, "
-                       f"alpha from {w.local[0]:.2f} +- {w.local_err[0]:.2f} to {w.local[-1]:.2f} +- "
-                       f"{w.local_err[-1]:.2f}.")
-    work.say(item, f"The equal chain is exact ({equal_a.local[-1]:.3f} and {equal_w.local[-1]:.3f} at L = "
-                   f"{equal_a.middle[-1]:.0f}; 2/3 and 1/3 far away). The paper does not say how wide its "
-                   "distributions of balls are; here diameters are uniform in 1 +- 0.1, 0.2 and 0.4.")
+    panels, ends = [], []
+    for k, (name, sign) in enumerate((("amplitude", -1), ("width", 1))):
+        systems = [_of(heights, name), _equal(name), *(_of(each, name) for each in unequal)]
+        exponents = [_local(system, sign) for system in systems]
+        panels.append(_panel(k, systems, exponents))
+        ends.append(exponents[:2])
+    work.draw_sheet(item, "fig7", Sheet(panels, aspect=0.95))
+    ((x, a), (far, equal_a)), ((_, w), (_, equal_w)) = ends
+    if a:
+        work.say(item, f"In boxes 24 wide gamma goes from {a[0]:.2f} at L = {x[0]:.3g} to {a[-1]:.2f} at L = {x[-1]:.3g}, "
+                       f"alpha from {w[0]:.2f} to {w[-1]:.2f}.")
+    work.say(item, f"The equal chain is exact ({equal_a[-1].mean:.3f} and {equal_w[-1].mean:.3f} at L = {far[-1]:.0f}; "
+                   "2/3 and 1/3 far away). The paper does not say how wide its distributions of balls are; here "
+                   "diameters are uniform in 1 +- 0.1, 0.2 and 0.4.")
 
 
 # ---- Fig. 4: signals ------------------------------------------------------------------------------------------------
@@ -330,9 +300,7 @@ def make_signals(work: SomfaiWork, item: str) -> None:
                             x=(0, 400), zero=True))
         if name:
             _say_scatter(work, item, name, made[ensemble])
-    work.draw_sheet(item, "fig4",
-                    "Force on the top wall at p = 1e-4 over the first peak of the ensemble's mean: (a) single packings "
-                    "with friction, (b) their ensemble, (c) 2D and (d) 3D without friction.", Sheet(panels, columns=2))
+    work.draw_sheet(item, "fig4", Sheet(panels, columns=2))
 
 
 def _curves(letter: str, s: Signals) -> list[Curve]:
@@ -373,9 +341,7 @@ def make_coherent(work: SomfaiWork, item: str) -> None:
                             dash=(0, 1, 3)[k % 3]))
     if curves:
         panel = Panel(curves, TIME_AXIS, "mean |F|_{sig} / peak of the lowest box", x=(0, None), zero=True)
-        work.draw_sheet(item, "fig5", "Mean signals of boxes 24 wide and L high at p = 1e-4, until shortly after their "
-                                      "zero crossings, over the first peak of the lowest "
-                                      "box.", Sheet([panel], aspect=0.9))
+        work.draw_sheet(item, "fig5", Sheet([panel], aspect=0.9))
     if len(found) > 1:
         low, high = found[0], found[-1]
         work.say(item, f"From L = {low.distance:.3g} to {high.distance:.3g} the first peak falls by a factor "

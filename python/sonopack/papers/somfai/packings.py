@@ -32,14 +32,12 @@ def _counted(work: SomfaiWork, margin: float) -> tuple[ContactCounts, str]:
 
 def make_networks(work: SomfaiWork, item: str) -> None:
     _, packing, network = next(work.walk("square", 1e-4, most=1))
-    work.draw(item, "fig1a", "(a) Normal forces in one packing of 600 grains at p = 1e-4, as widths of lines.", "network",
-              packing)
-    work.draw(item, "fig1b", "(b) Normal stiffnesses of the same contacts.", "stiffness", packing)
+    work.draw(item, "fig1a", "network", packing)
+    work.draw(item, "fig1b", "stiffness", packing)
     work.save_table("fig1ab", _links(packing, network))
     counts, many = _counted(work, 0.0)
     table = counts.values()
-    work.draw(item, "fig1c", "(c) Histograms of the normal forces and stiffnesses of all contacts that carry, over "
-                             "their means; equal areas.", "forces", table)
+    work.draw(item, "fig1c", "forces", table)
     work.save_table("fig1c", table)
     work.say(item, f"Over {many} the forces scatter by "
                    f"{100 * _spread(table, 'forces'):.0f}% of their mean and the stiffnesses by "
@@ -70,8 +68,7 @@ def _spread(table: Table, name: str) -> float:
 def make_directions(work: SomfaiWork, item: str) -> None:
     counts, many = _counted(work, 3.0)
     table = counts.angles()
-    work.draw(item, "fig2", "Directions of contacts that carry, at least three diameters from both walls: all, those "
-                            "with forces above the mean (strong), and the others (weak).", "angles", table)
+    work.draw(item, "fig2", "angles", table)
     work.say(item, f"{many}. The mean of 2 n_y^2 - 1, 0 without "
                    f"anisotropy, is {_upright(table, 'all'):+.3f} for all, {_upright(table, 'strong'):+.3f} for strong "
                    f"and {_upright(table, 'weak'):+.3f} for weak contacts.")
@@ -89,8 +86,7 @@ def _upright(table: Table, name: str) -> float:
 def make_snapshot(work: SomfaiWork, item: str) -> None:
     _, packing, network = next(work.walk("square", 1e-4, most=1))
     u = network.field([TIME])[0]
-    work.draw(item, "fig3", "Displacements of the grains of the packing of Fig. 1 at t = 80 after the pulse at the "
-                            "bottom wall, magnified; rattlers grey.", "snapshot", network, u, time=TIME)
+    work.draw(item, "fig3", "snapshot", network, u, time=TIME)
     work.save_table("fig3", _field_table(packing, network, u))
     y = packing.x[network.grain, 1]
     quarter = np.clip(np.floor(4 * y / packing.height), 0, 3)
@@ -158,10 +154,7 @@ def _spectrum(work: SomfaiWork, item: str, sample: Sample, network: Network, m: 
               Panel([Curve(numbers, weights, width=0.5), circles(weights)], "mode |n|", "|a|_{|n|} |b|_{|n|}  [|E|* "
                                                                                         "|d|^{2}]",
                     tag="(b)", x=(0, m.n), zero=True)]
-    work.draw_sheet(item, "fig9",
-                    "(a) Squared eigenfrequencies of the packing of Fig. 1 and (b) weights of the modes in the signal; "
-                    "circles: the modes of Fig. 10; inset: the lowest (squares) beside those of an elastic body with "
-                    "the packing's moduli (diamonds).", Sheet(panels))
+    work.draw_sheet(item, "fig9", Sheet(panels))
     rattlers = m.n_rattler // 3
     work.say(item, f"{m.n_zero} of {m.n} modes have frequency zero, three for each of {rattlers} rattlers; the paper's "
                    f"packing had 141. The lowest frequency above zero is {m.omega[m.n_zero]:.4f}, the highest "
@@ -186,9 +179,9 @@ def _bodies(work: SomfaiWork, item: str, sample: Sample, network: Network) -> tu
 
 def _six(work: SomfaiWork, item: str, packing: Packing, network: Network, m: Modes, picked: list[int]) -> None:
     for letter, why, n in zip("abcdef", _WHY, picked):
-        work.draw(item, f"fig10{letter}",
-                  f"({letter}) Mode n = {n}, omega = {m.omega[n]:.4f}, participation ratio {m.participation[n]:.3f}: "
-                  f"{why}.", "mode", m, mode=n)
+        work.draw(item, f"fig10{letter}", "mode", m, mode=n,
+                  caption=f"({letter}) Mode n = {n}, omega = {m.omega[n]:.4f}, participation ratio "
+                          f"{m.participation[n]:.3f}: {why}.")
     work.save_table("fig10", _displacements(packing, network, m, picked))
     weight = np.abs(m.ab[m.n_zero:])
     part = [float(m.participation[n]) for n in picked]
@@ -238,10 +231,7 @@ def make_damping(work: SomfaiWork, item: str) -> None:
                      Curve(full[k].t, other, "nonlinear", ink=1, dash=1, width=0.9)],
                     TIME_AXIS, "|F|_{sig} / first peak", tag=f"({'abcd'[k]})", x=(0, UNTIL), zero=True)
               for k, (zeta, (own, other)) in enumerate(zip(LEVELS, scaled))]
-    work.draw_sheet(item, "fig11",
-                    "Signal of the packing of Fig. 1 with contacts damped by a fraction zeta of critical, over the "
-                    "first peak without damping: the linear network, and the packing's own nonlinear motion after a "
-                    "pulse of 1e-4 of the mean overlap.", Sheet(panels, aspect=0.42))
+    work.draw_sheet(item, "fig11", Sheet(panels, aspect=0.42))
     peaks = [found.amplitude if (found := front_of(t, own)) else math.nan for own, _ in scaled]
     rests = [rms_after(t, own, first.t_zero) for own, _ in scaled]
     for k in range(1, len(LEVELS)):

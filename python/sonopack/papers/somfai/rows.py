@@ -11,7 +11,6 @@ import numpy as np
 
 from ..._table import Table
 from ..report import Page
-from ..work import hypot, total
 
 if TYPE_CHECKING:
     from .samples import SomfaiWork
@@ -43,7 +42,7 @@ class Row:
     digit: float = 0.0
     relation: str = "="
     where: str = ""
-    note: str = ""
+    note: str = "-"
     sigma: float = math.nan
     combined: float = math.nan
     deviation_err: float = math.nan
@@ -68,15 +67,15 @@ def judged(row: Row) -> Row:
     if row.is_claim:
         return dataclasses.replace(row, verdict=_of_claim(row))
     known = row.err if math.isfinite(row.err) else 0.0
-    scatter = {"paper": row.paper_sd, "ours": row.ours_sd}.get(row.scatter, hypot(row.paper_sd, known))
+    scatter = {"paper": row.paper_sd, "ours": row.ours_sd}.get(row.scatter, math.hypot(row.paper_sd, known))
     theirs = {"paper": row.paper_sd / math.sqrt(SAMPLES), "ours": row.ours_sd / math.sqrt(SAMPLES)}.get(row.scatter,
                                                                                                      row.paper_sd)
     difference = row.ours - row.paper
     if row.scatter == "bound" and difference > 0:
         difference = 0.0
     with np.errstate(divide="ignore", invalid="ignore"):
-        errors = hypot(theirs, row.err) if math.isfinite(row.err) else math.nan
-        sigma, combined, with_print = map(float, np.divide(difference, (scatter, errors, hypot(errors, row.rounding))))
+        errors = math.hypot(theirs, row.err)
+        sigma, combined, with_print = map(float, np.divide(difference, (scatter, errors, math.hypot(errors, row.rounding))))
     verdict = "missing" if not math.isfinite(sigma) else "agrees" if abs(sigma) <= 1 else "deviates"
     return dataclasses.replace(row, sigma=sigma, combined=combined, deviation_err=with_print, verdict=verdict)
 
@@ -93,43 +92,39 @@ def _of_claim(row: Row) -> str:
 
 
 class Mean(NamedTuple):
-    """Mean, standard deviation and standard error of values."""
+    """Mean, standard deviation and standard error of values; or what follows from such means, without a deviation."""
 
     n: int
     mean: float
     sd: float
     err: float
 
+    def __format__(self, spec: str) -> str:
+        return f"{self.mean:{spec}} +- {self.err:{spec.lstrip('+')}}"
+
 
 def mean_of(values: Iterable[float]) -> Mean:
     """Of values, without those that are not finite."""
-    known = [float(value) for value in values if math.isfinite(value)]
+    known = [value for value in values if math.isfinite(value)]
     n = len(known)
-    mean = total(known) / n if n else math.nan
-    sd = math.sqrt(total((x - mean) * (x - mean) for x in known) / (n - 1)) if n > 1 else math.nan
-    return Mean(n, mean, sd, sd / math.sqrt(n) if n > 1 else math.nan)
+    sd = float(np.std(known, ddof=1)) if n > 1 else math.nan
+    return Mean(n, float(np.mean(known)) if n else math.nan, sd, sd / math.sqrt(max(n, 1)))
 
 
-class Sum:
-    """Running sums of finite values, for means and standard errors."""
+def exact(value: float, n: int = 0) -> Mean:
+    return Mean(n, value, math.nan, 0.0)
 
-    def __init__(self, values: Iterable[float] = ()) -> None:
-        self.n, self.sum, self.squares = 0, 0.0, 0.0
-        for value in values:
-            self.add(value)
 
-    def add(self, x: float) -> None:
-        if math.isfinite(x):
-            self.n, self.sum, self.squares = self.n + 1, self.sum + float(x), self.squares + float(x) * float(x)
+def ratio(a: Mean, b: Mean) -> Mean:
+    """a/b of means that are independent."""
+    value = a.mean / b.mean
+    return Mean(b.n, value, math.nan, abs(value) * math.hypot(a.err / a.mean, b.err / b.mean))
 
-    @property
-    def mean(self) -> float:
-        return self.sum / self.n if self.n else math.nan
 
-    @property
-    def err(self) -> float:
-        n = self.n
-        return math.sqrt(max(0.0, self.squares / n - self.sum / n * (self.sum / n)) / (n - 1)) if n > 1 else math.nan
+def speed(rise: float, early: Mean, late: Mean) -> Mean:
+    """The speed between two heights from arrival times."""
+    time = late.mean - early.mean
+    return Mean(late.n, rise / time, math.nan, rise / time * math.hypot(early.err, late.err) / time)
 
 
 # ---- counts ---------------------------------------------------------------------------------------------------------
@@ -158,8 +153,8 @@ def counted(rows: Iterable[Row], item: str = "", means: bool = True) -> Counts:
     pairs = [(abs(row.deviation_err), row.combined) for row in some if math.isfinite(row.deviation_err)]
     off = [pair[0] for pair in pairs]
     return Counts(len(sigmas), sum(x <= 1 for x in sigmas), len(some) - len(sigmas), len(off), sum(x <= 1 for x in off),
-                  sum(x > 2 for x in off), sum(x > 3 for x in off), total(x * x for x in off) if means else math.nan,
-                  total(bare * bare for _, bare in pairs) if means else math.nan)
+                  sum(x > 2 for x in off), sum(x > 3 for x in off), sum(x * x for x in off) if means else math.nan,
+                  sum(bare * bare for _, bare in pairs) if means else math.nan)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -190,7 +185,7 @@ def families(rows: Sequence[Row]) -> list[Family]:
         off = [row.deviation_err for row in some]
         ratios = [row.ours / row.paper - 1 for row in some]
         side = 1 if all(x > 0 for x in off) else -1 if all(x < 0 for x in off) else 0
-        out.append(Family(item, quantity, len(off), side, total(off) / math.sqrt(len(off)) if off else math.nan,
+        out.append(Family(item, quantity, len(off), side, sum(off) / math.sqrt(len(off)) if off else math.nan,
                           min((abs(x) for x in off), default=math.inf), min(ratios, default=math.inf),
                           max(ratios, default=-math.inf)))
     return out
@@ -198,25 +193,7 @@ def families(rows: Sequence[Row]) -> list[Family]:
 
 # ---- the table ------------------------------------------------------------------------------------------------------
 
-TITLE = "Elastic wave propagation in confined granular systems, computed again"
-OPENING = (
-    "Tables and figures of E. Somfai, J.-N. Roux, J. H. Snoeijer, M. van Hecke, W. van Saarloos, Phys. Rev. E 72, "
-    "021301 (2005), beside values and figures of new packings. Units: lengths in mean grain diameters d, pressures "
-    "in E*, speeds in sqrt(E*/rho), times in d/sqrt(E*/rho).")
-FILES = ("The numbers behind each figure and table are beside it in a file of the same name: fig6.tsv, table1.tsv; "
-         "values of figures that the paper states in fig6-values.tsv and so on.")
 OF_FIGURES = "-values"
-_COMMENTS = (
-    "values of Somfai et al., Phys. Rev. E 72, 021301 (2005), beside ours; units: d, E*, sqrt(E* / rho)",
-    "err: standard error of our mean; ours_sd: one standard deviation of our samples",
-    "sigma = (ours - paper)/scatter, agrees within one; scatter paper: paper_sd, its standard deviation",
-    "scatter ours: the paper gives none, ours_sd; stated: paper_sd, the precision of the words, and err in square",
-    "scatter bound: the paper gives a lower bound, paper_sd is our precision; above it sigma is 0",
-    "combined = (ours - paper) over both standard errors, that of the paper with 30 samples; nan for one sample",
-    "deviation_err = the same with the rounding of print in square, uniform within half of the last digit",
-    "scatter claim: a claim in words, relation: what it says of ours (= within paper_sd); it holds or is",
-    "contradicted, or is undecided: ours lies within two standard errors of the limit",
-    "verdict missing: there is no value of ours, or no scatter, as that of one sample")
 _COLUMNS = {"item": str, "p": float, "quantity": str, "paper": float, "paper_sd": float, "ours": float, "err": float,
             "sigma": float, "verdict": str, "ours_sd": float, "samples": int, "combined": float, "scatter": str,
             "deviation_err": float, "rounding": float, "relation": str, "where": str, "note": str}
@@ -224,15 +201,7 @@ _COLUMNS = {"item": str, "p": float, "quantity": str, "paper": float, "paper_sd"
 
 def table(work: SomfaiWork, rows: Sequence[Row]) -> Table:
     """Rows as a table; all of them with their counts, claims and families as comments, one a line."""
-    cells: dict[str, list[Any]] = {name: [getattr(row, name) for row in rows] for name in _COLUMNS}
-    cells["relation"] = [">" if row.scatter == "bound" else row.relation for row in rows]
-    # the place is that of the title of the item: "Table I" of "Table I. Statics", "Fig. 6" of "Fig. 6. Arrival times"
-    places = {item: " ".join(row["title"].split()[:2]).rstrip(".") for item, row in work.items.items()}
-    cells["where"] = [row.where or places[row.item] for row in rows]
-    cells["note"] = [row.note or "-" for row in rows]
-    made = Table.from_columns({name: np.array(cells[name], kind) for name, kind in _COLUMNS.items()}, {"p": "E*"})
-    for line in _COMMENTS:
-        made.add_comment(line)
+    made = work.table(rows, _COLUMNS, {"p": "E*"})
     if rows is work.rows:
         _add_counts(made, work)
     return made
@@ -315,16 +284,6 @@ _VALUES = ("item", "quantity", "p", "paper", "ours", "σ", "s.e.", "verdict")
 _CLAIMS = ("in the paper", "claim", "paper", "ours", "verdict", "what was done")
 _COUNTS = ("", "values", "within 1 σ", "with errors", "within 1 s.e.", "beyond 2", "beyond 3", "chi^2", "without "
                                                                                                         "rounding")
-_HOW = (
-    "Paper: mean and one standard deviation of its samples. Ours: mean and its standard error. σ: the difference over "
-    "one standard deviation of the paper; where it gives none (normal forces, their moments, fabric) over that of our "
-    "samples; for values that the paper states in words over the precision of the words and our standard error "
-    "together, and 0 above a lower bound (≥). A value agrees when σ is within one; with few samples more of them "
-    "deviate by chance. Missing: ours has no value, or a single sample no scatter. s.e.: the difference over the "
-    "standard errors of both means together, 30 samples taken for the paper, and the rounding of print (uniform within "
-    "half of the last digit). Values of one table come from the same packings, so that chi^2 is no sum of independent "
-    "parts. Claims hold or are contradicted where ours is two standard errors away from the limit, else they are "
-    "undecided.")
 
 
 def write_summary(work: SomfaiWork, page: Page) -> None:
@@ -336,7 +295,6 @@ def write_summary(work: SomfaiWork, page: Page) -> None:
                          if not row.is_claim and row.verdict != "agrees"])
     page.table(_CLAIMS, [(row.verdict, _claim_cells(row)) for row in work.rows
                          if row.is_claim and row.verdict != "holds"], True)
-    page.paragraph(_HOW, "How to read the tables.")
 
 
 def _lead(rows: Sequence[Row], page: Page) -> None:

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import functools
 import math
 import os
@@ -14,7 +15,7 @@ from ..._records import StudyProgress
 from ..._scene import Scene
 from ..._study import Sample, Store, study
 from ..work import Work, by_key, number
-from .rows import Row, judged
+from .rows import Mean, Row, judged
 
 #: of the paper, ascending
 PRESSURES = (1e-7, 1e-6, 1e-5, 1e-4)
@@ -127,25 +128,26 @@ class SomfaiWork(Work):
     # ---- rows -------------------------------------------------------------------------------------------------------
 
     def add(self, row: Row) -> Row:
-        self.rows.append(judged(row))
+        """Adds a row. Its place in the paper is, if it has none, "Table I" of the item's title "Table I. Statics"."""
+        place = row.where or " ".join(self.items[row.item]["title"].split()[:2]).rstrip(".")
+        self.rows.append(dataclasses.replace(judged(row), where=place))
         return self.rows[-1]
 
-    def state(self, key: str, ours: float, err: float, value: float | None = None,
-              precision: float | None = None) -> Row:
-        """Adds the row `key` of stated.tsv with our value and its standard error. value, precision: if computed."""
+    def state(self, key: str, ours: Mean, theory: float = math.nan) -> Row:
+        """Adds the row `key` of stated.tsv with our value and its standard error. theory: what an equation gives, which
+        is taken to 0.2 %, where the row has no value."""
         row = by_key("somfai", "stated")[key]
-        return self.add(Row(row["item"], row["quantity"], p=number(row["p"]), scatter=row["scatter"], ours=ours, err=err,
-                            paper=float(row["value"]) if value is None else value,
-                            paper_sd=float(row["precision"]) if precision is None else precision))
+        return self.add(Row(row["item"], row["quantity"], p=number(row["p"]), scatter=row["scatter"], ours=ours.mean,
+                            err=ours.err, relation=">" if row["scatter"] == "bound" else "=",
+                            paper=float(row["value"] or theory), paper_sd=float(row["precision"] or 0.002 * theory)))
 
-    def claim(self, key: str, ours: float, err: float, samples: int = 0, p: float | None = None,
-              **words: object) -> Row:
+    def claim(self, key: str, ours: Mean, p: float | None = None, **words: object) -> Row:
         """Adds the row `key` of claims.tsv. words: of its quantity; `within`, if it depends on the quantity."""
         row = by_key("somfai", "claims")[key]
         within = float(str(words["within"])) if "within" in words else number(row["within"])
         return self.add(Row("claims", row["quantity"].format(**words), p=number(row["p"]) if p is None else p,
                             paper=float(row["limit"]), paper_sd=within, scatter="claim", relation=row["relation"],
-                            ours=ours, err=err, samples=samples, where=row["where"], note=row["note"]))
+                            ours=ours.mean, err=ours.err, samples=ours.n, where=row["where"], note=row["note"]))
 
 
 @functools.cache

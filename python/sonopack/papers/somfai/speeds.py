@@ -14,8 +14,7 @@ from ..._native import ffi, lib
 from ..._packing import TOP
 from ..._study import Store
 from ..sheet import Curve, Panel, Sheet
-from ..work import hypot, total
-from .rows import mean_of
+from .rows import Mean, exact, mean_of, ratio
 from .samples import PRESSURES, SomfaiWork, member
 
 NAMES = ("smooth", "friction")
@@ -74,18 +73,18 @@ class Speeds:
         known = np.array([row for row in rows if math.isfinite(row[1])], float).reshape(-1, 3)
         return cls(*known.T)
 
-    def last(self) -> tuple[float, float]:
-        """The speed at the largest pressure, and its error."""
-        return (float(self.c[-1]), float(self.err[-1])) if len(self.c) else (math.nan, math.nan)
+    def last(self) -> Mean:
+        """The speed at the largest pressure."""
+        return Mean(0, float(self.c[-1]), math.nan, float(self.err[-1])) if len(self.c) else exact(math.nan)
 
-    def exponent(self) -> tuple[float, float]:
-        """The exponent of p, and its standard error."""
+    def exponent(self) -> Mean:
+        """The exponent of p."""
         if len(self.p) < 3:
-            return math.nan, math.nan
+            return exact(math.nan)
         out, arrays = ffi.new("double[3]"), [np.ascontiguousarray(each) for each in (self.p, self.c, self.err)]
         p, c, err = (ffi.cast("double *", each.ctypes.data) for each in arrays)
         call(lib.sp_fit_power, len(self.p), p, c, err if np.all(self.err > 0) else ffi.NULL, out, out + 1, out + 2)
-        return float(out[0]), float(out[1])
+        return Mean(0, float(out[0]), math.nan, float(out[1]))
 
 
 def _front_speeds(work: SomfaiWork) -> Speeds:
@@ -106,14 +105,12 @@ def _wave_speeds(work: SomfaiWork, name: str) -> Speeds:
 
 def make_speeds(work: SomfaiWork, item: str) -> None:
     tof, fast, slow = _front_speeds(work), _wave_speeds(work, "c_l"), _wave_speeds(work, "c_t")
-    work.state("c_tof", *tof.last())
+    work.state("c_tof", tof.last())
     for name, speeds in (("c_tof", tof), ("c_l", fast), ("c_t", slow)):
-        work.state(f"exponent-{name}", *speeds.exponent())
-    (c, c_err), (c_l, c_l_err) = tof.last(), fast.last()
-    work.state("c_tof-over-c_l", c / c_l, c / c_l * hypot(c_err / c, c_l_err / c_l))
+        work.state(f"exponent-{name}", speeds.exponent())
+    work.state("c_tof-over-c_l", ratio(tof.last(), fast.last()))
     for friction, name in enumerate(NAMES):
-        theory = lattice_speed(5e-7, friction)
-        work.state(f"lattice-{name}", lattice_long(work, bool(friction))[0], 0.0, theory, 0.002 * theory)
+        work.state(f"lattice-{name}", exact(lattice_long(work, bool(friction))[0]), lattice_speed(5e-7, friction))
     if work.folder:
         _draw_speeds(work, item, tof, fast, slow)
     for k in range(len(tof.p)):
@@ -162,10 +159,7 @@ def _draw_speeds(work: SomfaiWork, item: str, tof: Speeds, fast: Speeds, slow: S
         _guide(1 / 6, 0.036, "slope 1/6", width=0.6), _guide(0.25, 0.026, "slope 1/4", dash=2, width=0.8)]
     panel = Panel(curves, "pressure |p| / |E|*", "speed / (|E|*/|ρ|)^{1/2}", log="xy", x=(span[0], span[1]),
                   y=(0.025, 0.4))
-    work.draw_sheet(item, "fig8",
-                    "Speed of the front and of long waves against pressure: packings of 600 grains, and triangular "
-                    "lattices, measured and by Eqs. (18) and (19), the band for 0 <= nu <= 0.5.",
-                    Sheet([panel], aspect=0.85, width=300 / 72))
+    work.draw_sheet(item, "fig8", Sheet([panel], aspect=0.85, width=300 / 72))
 
 
 # ---- Fig. 12: chains and lattice ------------------------------------------------------------------------------------
@@ -186,7 +180,7 @@ def _lattice(work: SomfaiWork) -> tuple[float, Floats, Floats]:
     network = next(each for sample, _, each in work.walk("lattice-long", 5e-7, 24 * ROWS) if not sample.friction > 0)
     s, third, mass = network.springs, _cube(ROWS), float(network.mass.ravel()[0])
     tops, up = s["j"] == TOP, np.flatnonzero((s["j"] >= 0) & (np.abs(s["n"][:, 1]) > 0.5))
-    spring = total(2 * float(s["kn"][k]) * float(s["n"][k, 1]) * float(s["n"][k, 1]) for k in up) / len(up)
+    spring = float(np.mean(2 * s["kn"][up] * s["n"][up, 1]**2))
     wall, unit = float(s["kn"][tops][-1]), math.sqrt(mass / spring)
     signal = network.signal(method="chebyshev", until=(ROWS + HIGH * third) * unit, points=81)
     x = (signal.t / unit - ROWS) / third
@@ -201,7 +195,7 @@ def _chain(n: int, x: Floats, wall: float = 1.0) -> Floats:
 
 def make_chains(work: SomfaiWork, item: str) -> None:
     wall, x, y = _lattice(work)
-    row = work.state("wall", wall, 0.0)
+    row = work.state("wall", exact(wall))
     if abs(1 / wall - row.paper) < row.paper_sd:
         work.say(item, f"The walls' springs are {wall:.3f} times as stiff as those between rows, which is "
                        f"Hertz's law for rigid walls; the number in the paper is the inverse, {1 / wall:.3f}.")
@@ -226,7 +220,4 @@ def _draw_chains(work: SomfaiWork, item: str, wall: float, at: Floats, lattice: 
     curves.append(Curve(x, _chain(ROWS, x, wall), ink=1, width=0.7))
     curves.append(Curve(at, lattice, "lattice, 20 rows", ink=1, dash=None, mark="o", open=True))
     panel = Panel(curves, "(|ct|/|ℓ| − |N|) / |N|^{1/3}", "|F| |N|^{2/3} / |Kℓ|", x=(LOW, HIGH), zero=True)
-    work.draw_sheet(item, "fig12",
-                    "Force of the last ball on its wall after a velocity of the first (A), against the time after N "
-                    "l/c: chains of N balls, their limit, a triangular lattice of 20 rows (circles), and a chain with "
-                    "walls as stiff as the lattice's (thin line).", Sheet([panel]))
+    work.draw_sheet(item, "fig12", Sheet([panel]))
