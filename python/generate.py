@@ -23,7 +23,6 @@ CALLBACKS = """
 extern "Python" {
     bool sonopack_pack_watch(const sp_pack_progress *progress, void *user);
     bool sonopack_study_watch(const sp_study_progress *progress, void *user);
-    bool sonopack_forecast_packed(void *user, const char *name);
     bool sonopack_tapped_watch(double share, void *user);
     bool sonopack_tapped_stopped(void *user);
     sp_status sonopack_tapped_row(double t, const double *y, const double *v, void *user, sp_error *err);

@@ -51,6 +51,15 @@ def usage(text: str) -> SonopackError:
     return invalid("", text)
 
 
+def program() -> pathlib.Path:
+    """The command sonopack: beside this program in the folder of a build, else in bin of the installation."""
+    here = pathlib.Path(os.path.realpath(sys.argv[0])).parent
+    for place in (here, here.parents[1] / "bin"):
+        if os.access(place / "sonopack", os.X_OK):
+            return place / "sonopack"
+    raise Failed(f"{here}: no command sonopack beside it or in {here.parents[1] / 'bin'}")
+
+
 # ---- options --------------------------------------------------------------------------------------------------------
 
 class Parser(argparse.ArgumentParser):

