@@ -12,7 +12,7 @@ from .._command import Failed, program
 from .._core import call
 from .._native import ffi, lib
 from .._table import Table
-from .somfai.samples import SAMPLES, needs, scene
+from .somfai.samples import SAMPLES, ensembles, scene
 from .work import by_key
 
 Row = tuple[Any, ...]
@@ -48,15 +48,11 @@ def table(arguments: argparse.Namespace, wanted: set[str]) -> Table:
 
 def _ensembles(arguments: argparse.Namespace, items: list[str], drawn: bool) -> list[tuple[Row, list[Row]]]:
     """The costs of each ensemble and its rows. An ensemble that has the name of one before gets a number."""
-    want: dict[str, set[str]] = {}
-    for item in items:
-        for ensemble, parts in needs(item, drawn).items():
-            want.setdefault(ensemble, set()).update(parts)
     found, names = [], list[str]()
-    for key in (key for key in by_key("somfai", "ensembles") if key in want):
+    for key, want in ensembles(items, drawn).items():
         names.append(by_key("somfai", "ensembles")[key]["name"])
         name = names[-1] + f" {names.count(names[-1])}" * (names.count(names[-1]) > 1)
-        table = _study(arguments, key, want[key])
+        table = _study(arguments, key, want)
         cells: list[Row] = list(zip(*(table[column].tolist() for column in table.names)))
         found.append((cells[-1][2:], [(f"{name}: {row[0]}", *row[1:]) for row in cells[:-1]]))
     return found

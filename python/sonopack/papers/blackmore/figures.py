@@ -165,29 +165,20 @@ def make_symbols(work: Work, tell: Tell) -> None:
 def _evaluate(c: Column) -> tuple[Floats, Floats, Floats]:
     """Wave numbers, and growth rates and squared speeds of the four models, linearised about y_z = 1."""
     h, unit = 2 * c.radius(), speed2(c)
-    k = np.array([0.01 * math.pow(10, 4.5 * i / (WAVES - 1)) for i in range(WAVES)])
-    growth, squares = np.zeros((4, WAVES)), np.empty((4, WAVES))
-    for i, wave in enumerate(map(float, k)):
-        for j, model in enumerate(NAMES[:3]):
-            at = c.symbol(model, wave, alpha=1 / h)
-            growth[j, i], squares[j, i] = at.growth, at.speed2 / unit
-        x = math.sin(0.5 * wave * h) / (0.5 * wave * h)
-        squares[3, i] = x * x if wave * h <= math.pi else math.nan
-    return k, growth, squares
+    k = 0.01 * 10**np.linspace(0, 4.5, WAVES)
+    found = [[c.symbol(model, wave, alpha=1 / h) for wave in k.tolist()] for model in NAMES[:3]]
+    growth = np.array([[at.growth for at in row] for row in found] + [[0.0] * WAVES])
+    lattice = np.where(k * h <= math.pi, (np.sin(0.5 * k * h) / (0.5 * k * h))**2, math.nan)
+    return k, growth, np.array([[at.speed2 / unit for at in row] for row in found] + [lattice.tolist()])
 
 
 def _growth(work: Work, c: Column, k: Floats, growth: Floats) -> None:
     """The largest growth rate of (37), and that of (35) on the paper's grid."""
     h = 2 * c.radius()
-    best = int(np.argmax(growth))
-    most, at = float(growth[best]), float(k[best])
-    wave = at / 1.05
-    while wave < at * 1.05:
-        here = c.symbol("eq37", wave, alpha=1 / h).growth
-        if here > most:
-            most, at = here, wave
-        wave *= 1.0001
-    # the error of the maximum is quadratic in the step of k
+    near = float(k[np.argmax(growth)])
+    # steps of 1e-4, of which the error of the maximum is quadratic
+    most, at = max((c.symbol("eq37", wave, alpha=1 / h).growth, wave)
+                   for wave in np.geomspace(near / 1.05, near * 1.05, 977).tolist())
     add(work, "growth", most, 1e-6 * most, k=at, factor=math.exp(STEP * most))
     add(work, "grid", c.symbol("eq35", math.pi / STEP, alpha=1 / h).growth)
     work.say("symbols",

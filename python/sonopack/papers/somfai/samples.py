@@ -32,6 +32,15 @@ def needs(item: str, drawn: bool) -> dict[str, set[str]]:
     return out
 
 
+def ensembles(items: list[str], drawn: bool) -> dict[str, set[str]]:
+    """The ensembles that some items need, in their order, and the results of their samples."""
+    out: dict[str, set[str]] = {}
+    for item in items:
+        for ensemble, want in needs(item, drawn).items():
+            out.setdefault(ensemble, set()).update(want)
+    return {ensemble: out[ensemble] for ensemble in by_key("somfai", "ensembles") if ensemble in out}
+
+
 def count(ensemble: str, samples: int) -> int:
     """Samples of an ensemble if the paper's own ensembles have `samples`."""
     row = by_key("somfai", "ensembles")[ensemble]
@@ -65,14 +74,6 @@ class SomfaiWork(Work):
 
     # ---- samples ----------------------------------------------------------------------------------------------------
 
-    def ensembles(self) -> dict[str, set[str]]:
-        """The ensembles that the wanted items need, in their order, and the results of their samples."""
-        out: dict[str, set[str]] = {}
-        for item in self.wanted:
-            for ensemble, want in needs(item, bool(self.folder)).items():
-                out.setdefault(ensemble, set()).update(want)
-        return {ensemble: out[ensemble] for ensemble in by_key("somfai", "ensembles") if ensemble in out}
-
     def _cost(self, ensemble: str) -> float:
         row = by_key("somfai", "ensembles")[ensemble]
         slower = 5 if row["piston"] and self.protocol != "quick" else 1  # measured
@@ -82,7 +83,7 @@ class SomfaiWork(Work):
         """Makes the samples that the store lacks, and reads them."""
         store = Store(self.folder_of_store, create=True)
         scenes = {ensemble: scene(ensemble, self.samples, self.protocol, want)
-                  for ensemble, want in self.ensembles().items()}
+                  for ensemble, want in ensembles(self.wanted, bool(self.folder)).items()}
         everything, done = 1 + sum(map(self._cost, scenes)), 0.0  # 1: what is done with the samples
         for ensemble, own in scenes.items():
             self._make(store, own, by_key("somfai", "ensembles")[ensemble]["name"], done / everything,
