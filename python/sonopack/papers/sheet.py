@@ -59,11 +59,10 @@ class Curve:
             ax.fill_between(self.x, self.lower, self.upper, color=colour, alpha=0.25, lw=0)
         return points(ax, self.x, self.y, self.error, hollow=self.open, **look)
 
-    def points(self) -> list[Floats]:
-        """x, y, error, lower and upper of each point."""
-        none = np.full(len(self.x), np.nan)
-        given = (self.x, self.y, self.error, self.lower, self.upper)
-        return [none if each is None else np.asarray(each, float) for each in given]
+    def column(self, name: str) -> Floats:
+        """A number of each point: x, y, error, lower or upper."""
+        values = getattr(self, name)
+        return np.full(len(self.x), np.nan) if values is None else np.asarray(values, float)
 
 
 @dataclasses.dataclass
@@ -96,33 +95,10 @@ class Panel:
             self.inset.draw(inset(ax))
         return [each for each, curve in zip(drawn, self.curves) if curve.label]
 
-    def rows(self, name: str) -> tuple[list[tuple[str, int, str]], list[list[Floats]]]:
-        """Panel, number and label of each point, and its numbers; those of the inset follow."""
-        words, numbers = [], []
-        for k, curve in enumerate(self.curves):
-            words += [(name, k + 1, plain(curve.label))] * len(curve.x)
-            numbers.append(curve.points())
-        if self.inset is not None:
-            more = self.inset.rows(f"{name} inset".strip() if name else " inset")
-            words, numbers = words + more[0], numbers + more[1]
-        return words, numbers
-
-
-def _tag(ax: Any, text: str) -> None:
-    """The tag of a panel in a corner where it hides nothing, else in the upper left one."""
-    from ..plot._frame import Obstacles
-
-    corners = ((0.02, 0.97, "left"), (0.98, 0.97, "right"), (0.02, 0.03, "left"), (0.98, 0.03, "right"),
-               (0.02, 0.97, "left"))
-    ax.figure.draw_without_rendering()
-    there = Obstacles(ax)
-    for x, y, side in corners:
-        shown = ax.text(x, y, text, transform=ax.transAxes, va="top" if y > 0.5 else "bottom", ha=side, fontsize=8)
-        extent = shown.get_window_extent()
-        shown.remove()
-        if there.leave(extent):
-            break
-    ax.add_artist(shown)
+    def named(self, name: str) -> list[tuple[str, int, Curve]]:
+        """The curves with the name of their panel and their number; those of the inset follow."""
+        found = [(name, k + 1, curve) for k, curve in enumerate(self.curves)]
+        return found + (self.inset.named(f"{name} inset") if self.inset is not None else [])
 
 
 @dataclasses.dataclass
@@ -141,27 +117,25 @@ class Sheet:
         return styled(self._axes)()
 
     def _axes(self) -> Any:
-        from ..plot._frame import legend, panels
+        from ..plot._frame import legend, letter, panels
 
         axes = panels(len(self.panels) // self.columns, self.columns, aspect=self.aspect, width=self.width).ravel()
         for ax, panel in zip(axes, self.panels):
             entries = panel.draw(ax)
             if panel.tag:
-                _tag(ax, formula(panel.tag))
+                letter(ax, formula(panel.tag))
             legend(ax, entries, fixed=panel.y[1] is not None)
         return axes
 
     def table(self) -> Table:
         """The points of all curves."""
-        words: list[tuple[str, int, str]] = []
-        numbers: list[list[Floats]] = []
-        for panel in self.panels:
-            more = panel.rows(plain(panel.tag))
-            words, numbers = words + more[0], numbers + more[1]
-        names, counts, labels = ([each[k] for each in words] for k in range(3))
-        columns = [np.concatenate([each[k] for each in numbers]) for k in range(5)]
-        table = Table.from_columns({"panel": np.array(names, str), "curve": counts, "label": np.array(labels, str),
-                                    **dict(zip(("x", "y", "error", "lower", "upper"), columns))})
+        names, numbers, curves = zip(*(row for panel in self.panels for row in panel.named(plain(panel.tag))))
+        points = [len(curve.x) for curve in curves]
+        table = Table.from_columns({
+            "panel": np.repeat(names, points), "curve": np.repeat(numbers, points),
+            "label": np.repeat([plain(curve.label) for curve in curves], points),
+            **{name: np.concatenate([curve.column(name) for curve in curves])
+               for name in ("x", "y", "error", "lower", "upper")}})
         for panel in self.panels:
             name = plain(panel.tag)
             table.add_comment(f"{name}{': ' if name else ''}x: {plain(panel.xlabel)}; y: {plain(panel.ylabel)}")

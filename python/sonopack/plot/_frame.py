@@ -114,9 +114,14 @@ def panels(rows: int = 1, columns: int = 1, *, ax: Any = None, aspect: float = 0
 def column_of_panels(rows: int, ax: Any, aspect: float) -> Any:
     """Axes [rows] one above the other, with their letters above the frames, where they hide no data."""
     axes = panels(rows, 1, ax=ax, aspect=aspect)[:, 0]
-    for one, letter in zip(axes, "abcd" if rows > 1 else ""):
-        one.annotate(f"({letter})", (0, 1), (0, 3), "axes fraction", "offset points", fontsize=7, gid="letter")
+    for one, name in zip(axes, "abcd" if rows > 1 else ""):
+        letter(one, f"({name})")
     return axes
+
+
+def letter(ax: Axes, text: str) -> None:
+    """The letter of a panel, or more, above its frame, where it hides no data."""
+    ax.annotate(text, (0, 1), (0, 3), "axes fraction", "offset points", fontsize=7, gid="letter")
 
 
 def ink(k: int) -> str:
