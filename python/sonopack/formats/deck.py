@@ -3,6 +3,7 @@ piston, and our protocol. Lengths in mean diameters, density and E* of the grain
 from __future__ import annotations
 
 import math
+import pathlib
 from typing import Any
 
 import numpy as np
@@ -151,7 +152,6 @@ def _script(s: Any, height: float) -> str:
     begins, and rest, at which the run ends. Coulomb's law may leave the viscous tangential forces alone (twice), which
     then have contacts of their own."""
     flat, turns, twice, p = s.dim == 2, s.friction > 0, s.friction > 0 and s.viscous_limit > 1, pressure_of(s)
-    up, column = ("y", 3) if flat else ("z", 4)
     along = "0 {} 0" if flat else "0 0 {}"
     # c = 2 zeta sqrt(m k_n) with k_n = 1.5 F_n/n; tsuji: c = alpha sqrt(m F_n/n)
     alpha, longest = 2 * s.damping * math.sqrt(1.5), max(s.width, s.depth, 0.5 * height)
@@ -160,128 +160,21 @@ def _script(s: Any, height: float) -> str:
                "drag": s.drag * math.pow(p / 1e-4, 1 / 3) * min(1, 30 / longest), "piston": _piston_mass(s)}
     words = {
         "grains": s.grains, "dim": s.dim, "version": __version__, "input": INPUT, "gas": GAS, "most": most,
-        "skin": n(0.15 * s.diameter_max), "up": up, "column": column,
+        "skin": n(0.15 * s.diameter_max), "up": "y" if flat else "z", "column": 3 if flat else 4,
         "numbers": "".join(f"variable    {name:<10} equal {n(value)}\n" for name, value in numbers.items()),
         "boundary": "p f p" if flat else "p p f", "processors": "* 1 1" if flat else "* * 1",
-        "law": _springs(s, 1, alpha), "wall": _springs(s, 2, alpha),
-        "viscous": _VISCOUS.format(_viscosity(s, 1, alpha), _viscosity(s, 2, alpha)) if twice
-        else "pair_style  granular\npair_coeff  * * ${law}\n",
+        "law": _springs(s, 1, alpha), "wall": _springs(s, 2, alpha), "law_v": _viscosity(s, 1, alpha),
+        "wall_v": _viscosity(s, 2, alpha),
         "move": "NULL v_top NULL" if flat else "NULL NULL v_top", "plane": "0 0 0 0 -1 0" if flat else "0 0 0 0 0 -1",
-        "second": _SECOND.format(up=up, column=column) if twice else "", "area": "" if flat else "*ly",
-        "twice": "-c_roof_v" if twice else "", "push": along.format("v_push"),
-        "flat": "fix         flat all enforce2d\n" if flat else "", "spin": _SPIN if turns else "",
-        "turn": _TURN if turns else "", "turns": "+c_turn" if turns else "", "drag": along.format("v_drag_p"),
+        "area": "" if flat else "*ly", "twice": "-c_roof_v" if twice else "", "push": along.format("v_push"),
+        "turns": "+c_turn" if turns else "", "drag": along.format("v_drag_p"),
         "tangent": "p13 p14 p15" if twice else "p1 p2 p3", "file_grains": GRAINS, "file_contacts": CONTACTS,
         "result": RESULT}
-    text = _TEMPLATE
+    marks = {"%": False, "?flat": flat, "?turns": turns, "?twice": twice, "?once": not twice}
+    text = ""
+    for line in pathlib.Path(__file__).with_name("pack.in").read_text().splitlines(keepends=True):
+        mark, _, rest = line.partition(" ")
+        text += line if mark not in marks else rest if marks[mark] else ""
     for name, value in words.items():
         text = text.replace(f"<{name}>", str(value))
     return text
-
-
-_VISCOUS = """\
-# Coulomb's law limits the springs, not the viscous forces: these come from contacts of their own, whose
-# springs are 1e8 times weaker and whose friction is endless.
-variable    law_v     string "{}"
-variable    wall_v    string "{}"
-pair_style  hybrid/overlay granular granular
-pair_coeff  * * granular 1 ${{law_v}}
-pair_coeff  * * granular 2 ${{law}}
-"""
-_SECOND = """\
-fix         floor_v grain wall/gran granular ${{wall_v}} {up}plane 0 NULL
-fix         roof_v grain wall/gran/region granular ${{wall_v}} region above contacts
-compute     roof_v grain reduce sum f_roof_v[{column}]
-"""
-_SPIN = "compute     spin all property/atom radius tqx tqy tqz\n"
-_TURN = """\
-variable    turn atom 2.5*sqrt(c_spin[2]^2+c_spin[3]^2+c_spin[4]^2)/(mass*c_spin[1])
-compute     turn grain reduce max v_turn
-"""
-# The second run continues the first without a setup, in which wall/gran/region of 29 Sep 2021 forgets how the wall
-# moves. The drag acts on every third step, so that the largest acceleration is free of it on most of the steps that
-# look for rest. A piston on its way down is not at rest, however heavy it is. Forces are dumped without their viscous
-# parts; of two laws, the numbers of the second follow the twelve of the first.
-_TEMPLATE = """\
-# <grains> grains in <dim> dimensions, compressed by a piston: written by sonopack <version> for LAMMPS of 29 Sep \
-2021 or later
-# with its package GRANULAR. Lengths in mean diameters, density and E* of the grains 1.
-#   lmp -nocite -in <input>          or      mpirun -n N lmp -nocite -in <input>
-<numbers>variable    most       equal <most>
-
-units       lj
-dimension   <dim>
-boundary    <boundary>
-# columns as high as the box: each rank has its share of the grains before and after compaction
-processors  <processors>
-newton      off
-atom_style  sphere
-comm_modify vel yes
-read_data   <gas>
-group       grain type 1
-group       piston type 2
-neighbor    <skin> bin
-neigh_modify delay 0 every 1 check yes exclude group piston all
-
-# Hertz's and Mindlin's forces with E* = 1: spring, `restitution' that sets the damping, tangential spring,
-# viscosity and friction. A wall is rigid and flat: twice as stiff.
-variable    law       string "<law>"
-variable    wall      string "<wall>"
-<viscous>
-# An atom, which touches nothing, has the mass of the upper wall: the wall is where the atom is. The load pushes
-# it down and the grains push it up.
-variable    top equal xcm(piston,<up>)
-region      above plane <plane> side in move <move> units box
-fix         floor grain wall/gran granular ${wall} <up>plane 0 NULL contacts
-fix         roof grain wall/gran/region granular ${wall} region above contacts
-compute     roof grain reduce sum f_roof[<column>]
-<second>variable    load equal v_p*lx<area>
-variable    push equal -v_load-c_roof<twice>
-fix         push piston addforce <push>
-fix         move_grains grain nve/sphere
-fix         move_piston piston nve
-<flat>
-<spin>variable    a atom sqrt(fx^2+fy^2+fz^2)/mass
-compute     a all reduce max v_a
-<turn>variable    largest equal c_a<turns>
-variable    moving equal v_largest+(abs(v_push)>0.5*v_load)
-thermo      1000
-thermo_style custom step v_largest v_top
-thermo_modify lost error norm no flush yes format float %.10g
-
-variable    dragged equal 0
-variable    rate equal v_dragged*v_drag
-variable    drag_x atom -3*v_rate*mass*vx
-variable    drag_y atom -3*v_rate*mass*vy
-variable    drag_z atom -3*v_rate*mass*vz
-fix         drag grain addforce v_drag_x v_drag_y v_drag_z every 3
-variable    drag_p equal -v_rate*v_piston*vcm(piston,<up>)
-fix         drag_p piston addforce <drag>
-variable    end equal v_moving/v_calm
-fix         end all halt 200 v_end < 1 error continue
-timestep    ${step}
-run         ${most}
-# The grains are calm: from here on with a global damping. What moves at the end comes to rest in sonopack.
-variable    dragged equal 1
-variable    end equal v_moving/v_rest
-run         ${most} pre no
-unfix       end
-
-velocity    all set 0 0 0
-set         group grain omega 0 0 0
-compute     sp_id all property/local patom1 patom2
-compute     sp_contact all pair/local dist force <tangent>
-dump        grains all custom 1 <file_grains> id type x y z radius mass f_floor[1] f_floor[2] f_floor[3] &
-            f_floor[4] f_floor[5] f_floor[6] f_floor[7] f_roof[1] f_roof[2] f_roof[3] f_roof[4] &
-            f_roof[5] f_roof[6] f_roof[7]
-dump        contacts all local 1 <file_contacts> index c_sp_id[1] c_sp_id[2] c_sp_contact[1] c_sp_contact[2] &
-            c_sp_contact[3] c_sp_contact[4] c_sp_contact[5]
-dump_modify grains format float %.17g sort id
-dump_modify contacts format float %.17g
-run         0 post no
-undump      grains
-undump      contacts
-print       "steps $(step) acceleration $(v_largest:%.10g) top $(v_top:%.17g)" &
-            file <result> screen no
-quit
-"""
