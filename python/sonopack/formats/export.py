@@ -49,12 +49,11 @@ def number_text(value: float) -> str:
     return f"{value:.17g}"
 
 
-def rows_of(columns: list[Any], first: str = "") -> bytes:
-    """Rows of numbers between blanks; first: a word before each."""
-    texts = [map(str, column.tolist()) if column.dtype.kind in "iub" else map(number_text, column.tolist())
-             for column in map(np.asarray, columns)]
-    start = f"{first} " if first else ""
-    return "".join(f"{start}{' '.join(row)}\n" for row in zip(*texts)).encode()
+def rows_of(columns: list[Any], first: str = "", between: str = " ") -> bytes:
+    """Rows of numbers and words; first: begins each."""
+    texts = [[number_text(value) if isinstance(value, float) else str(value) for value in np.asarray(column).tolist()]
+             for column in columns]
+    return "".join(f"{first}{between.join(row)}\n" for row in zip(*texts)).encode()
 
 
 def beside(path: str, suffix: str) -> str:

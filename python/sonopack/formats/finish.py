@@ -13,14 +13,14 @@ from .contacts import touching
 from ._faults import bad_file, bad_option, refused
 from .law import hertz_overlap, near, usual_stiffness, wall_stiffness
 from .options import NAN, RINGS, SIDES
-from .work import Links, Work, contact_table, dot, length, running_sum, sphere_mass, sum_over
+from .work import Links, Work, contact_table, dot, length, running_sum, sphere_mass, sum_over, wrapped
 
 
 def make(w: Work) -> Packing:
     """The packing of what has been gathered."""
     if w.cell == "ring" and not all(w.has_wall[:2]):
         _fit_ring(w)
-    x, outside = _wrap(w), _axes_outside(w)
+    x, outside = wrapped(w.x, w.cell, w.edge, w.tilt, w.periodic), _axes_outside(w)
     if (outside >= 0).any():
         _fail_outside(w, outside)
     listed, report = w.links, w.report
@@ -81,25 +81,6 @@ def tangent_numbers(n: Floats, ft: Floats) -> Floats:
 
 
 # ---- grains ---------------------------------------------------------------------------------------------------------
-
-def _wrap(w: Work) -> Floats:
-    """Positions inside of the cell along its periodic axes; those inside remain the same, bit for bit."""
-    x: Floats = w.x + 0.0
-    lattice = w.lattice()
-    for a in reversed(range(w.dim)):
-        if not w.periodic[a]:
-            continue
-        s = w.fractions(x)[:, a]
-        inside = (x[:, a] >= 0) & (x[:, a] < w.edge[a])
-        if w.cell == "periodic":
-            inside = (s >= -1e-12) & (s <= 1 + 1e-12)  # what the packing's check allows
-        away = np.flatnonzero(~inside)
-        x[away] -= np.floor(s[away])[:, None] * lattice[a]
-        # a tiny negative coordinate rounds to the far end
-        x[away] -= (w.fractions(x[away])[:, a] >= 1)[:, None] * lattice[a]
-    x = x + 0.0
-    return x
-
 
 def _axes_outside(w: Work) -> Integers:
     """The axis on which each grain lies outside of the walls; -1: none."""

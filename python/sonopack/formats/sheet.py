@@ -143,6 +143,7 @@ class Sheet:
         self.frames: list[int] = []
         self.frame = -1
         self._kept: Integers | None = None
+        self._texts: dict[int, list[str]] = {}
         self._begin = Cursor(file, b"")
 
     @property
@@ -201,10 +202,12 @@ class Sheet:
         except (pandas.errors.ParserError, pandas.errors.EmptyDataError, OverflowError, ValueError):
             return None
         whole = bool(frame.pop("more").isna().all()) and (count is None or len(frame) == count)
-        words = [k for k in frame if frame[k].dtype == object]  # columns of names, such as the species of XYZ
-        if not whole or len(self.names) - 1 in words or not all(frame[k].map(_is_word).all() for k in words):
+        words = [k for k in frame if frame[k].dtype == object]  # such as the species of XYZ, or walls among ids
+        if not whole or len(self.names) - 1 in words or frame[words].isna().to_numpy().any():
             return None
-        frame[words] = np.nan
+        self._texts = {k: frame[k].tolist() for k in words}
+        for k in words:
+            frame[k] = [number(cell.strip()) for cell in self._texts[k]]
         values = frame.to_numpy(dtype=float)
         return values if np.isfinite(np.delete(values, words, axis=1) if words else values).all() else None
 
@@ -259,7 +262,8 @@ class Sheet:
         values = self.values[:, column]
         if np.all(values == np.trunc(values)):
             return [f"{value:.0f}" for value in values]
-        texts = [cells[column].strip('"') for _, cells in self._lines()]
+        found = self._texts.get(column) or [cells[column] for _, cells in self._lines()]
+        texts = [text.strip(' \t"') for text in found]
         return texts[:self.rows] if self._kept is None else [texts[k] for k in self._kept]
 
     def refuse(self, bad: Mask, column: int, rule: str, rows: Integers | None = None) -> None:
@@ -282,6 +286,10 @@ class Sheet:
         values: Floats = self.values[:, column] if rows is None else self.values[rows, column]
         self.refuse(~((np.abs(values) < 9e15) & (values == np.trunc(values))), column, "a whole number", rows)
         return values.astype(np.int64)
+
+    def fail(self, row: int, text: str) -> NoReturn:
+        """Refuses a row."""
+        raise bad_file(f"{self.file}:{self.line(row)}: {text}")
 
     def listed(self) -> str:
         """The names of all columns, for messages."""
@@ -307,7 +315,3 @@ class Sheet:
             cells = self.cells(text[start:text.find(b"\n", start)].decode(errors="replace"))
             if len(cells) == len(self.names):
                 yield cells
-
-
-def _is_word(cell: object) -> bool:
-    return isinstance(cell, str) and math.isnan(number(cell.strip()))

@@ -11,17 +11,16 @@ from .sheet import Cursor, Frame, Sheet, number, shown, text_of
 
 def read(path: str, frame: int | None = None) -> Sheet:
     """The rows of one frame, if there is a column of that name: the given one, or the last."""
-    at, said = Cursor(path, text_of(path)), dict[str, str]()
+    at = Cursor(path, text_of(path))
     line = at.words()
-    while line is not None and line.startswith("#"):
-        if comment := re.match(r"#[ \t]*(\S+)[ \t]+=[ \t]+(\S+)", line):
-            said.setdefault(*comment.groups())
+    while line is not None and line.lstrip().startswith("#"):
         line = at.words()
     if line is None:
         raise bad_file(f"{path}: empty: must have a header row with the names of the columns")
     sheet = Sheet(path, [], next((mark for mark in ",;\t" if mark in line), " "))
     sheet.names = [cell.strip('"') if cell.startswith('"') else cell for cell in sheet.cells(line)]
-    sheet.said = said
+    for key, value in re.findall(rb"^[ \t]*#[ \t]*(\w+)[ \t]*=[ \t]*(\S+)", at.text, re.M):
+        sheet.said.setdefault(key.decode(), value.decode(errors="replace"))
     if number(sheet.names[0]) == number(sheet.names[0]):
         at.fail(f"{shown(line)}: a row of numbers; must be a header row with the names of the columns")
     sheet.read(at)

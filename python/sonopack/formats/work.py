@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,39 @@ def dot(a: Floats, b: Floats) -> Floats:
 def modulus(m: Material) -> float:
     """E* = E / (1 - nu^2)."""
     return m.young / (1 - m.poisson * m.poisson)
+
+
+# ---- the cell -------------------------------------------------------------------------------------------------------
+
+def lattice(edge: Sequence[float], tilt: Sequence[float]) -> Floats:
+    """The lattice vectors of a cell, as rows; of axes that it does not have they are of no use."""
+    (xy, xz, yz), (a, b, c) = tilt, [*edge, 1.0, 1.0][:3]
+    return np.array([[a, 0, 0], [xy, b, 0], [xz, yz, c]])
+
+
+def fractions(x: Floats, edge: Sequence[float], tilt: Sequence[float]) -> Floats:
+    """Coordinates of points in multiples of the lattice vectors: 0 .. 1 within the cell."""
+    rows, s = lattice(edge, tilt), np.zeros_like(x)
+    for a in (a for a in reversed(range(x.shape[1])) if rows[a, a] > 0):
+        rest = x[:, a]
+        for b in range(a + 1, x.shape[1]):
+            rest = rest - rows[b, a] * s[:, b]
+        s[:, a] = rest / rows[a, a]
+    return s
+
+
+def wrapped(x: Floats, cell: str, edge: Sequence[float], tilt: Sequence[float], periodic: Sequence[bool]) -> Floats:
+    """Positions inside of the cell along its periodic axes; those inside remain the same, bit for bit."""
+    out, rows = x + 0.0, lattice(edge, tilt)[:, :x.shape[1]]
+    for a in (a for a in reversed(range(x.shape[1])) if periodic[a]):
+        s = fractions(out, edge, tilt)[:, a]
+        # what the packing's check allows
+        inside = (s >= -1e-12) & (s <= 1 + 1e-12) if cell == "periodic" else (out[:, a] >= 0) & (out[:, a] < edge[a])
+        away = np.flatnonzero(~inside)
+        out[away] -= np.floor(s[away])[:, None] * rows[a]
+        # a tiny negative coordinate rounds to the far end
+        out[away] -= (fractions(out[away], edge, tilt)[:, a] >= 1)[:, None] * rows[a]
+    return np.asarray(out + 0.0)
 
 
 # ---- contacts -------------------------------------------------------------------------------------------------------
@@ -308,16 +342,8 @@ class Work:
         return far & (links.j >= 0) & self.cut
 
     def fractions(self, x: Floats) -> Floats:
-        """Coordinates of points in multiples of the lattice vectors: 0 .. 1 within the cell."""
-        e, (xy, xz, yz), s = self.edge, self.tilt, np.zeros_like(x)
-        if self.dim == 3:
-            s[:, 2] = x[:, 2] / e[2]
-        if self.dim >= 2:
-            s[:, 1] = (x[:, 1] - yz * s[:, 2]) / e[1]
-        s[:, 0] = (x[:, 0] - xy * s[:, 1] - xz * s[:, 2]) / e[0]
-        return s
+        return fractions(x, self.edge, self.tilt)
 
     def lattice(self) -> Floats:
         """The lattice vectors of the cell."""
-        (xy, xz, yz), (a, b, c) = self.tilt, self.edge
-        return np.array([[a, 0, 0], [xy, b, 0], [xz, yz, c]])
+        return lattice(self.edge, self.tilt)

@@ -74,4 +74,4 @@ def write(e: Export) -> bytes:
             f"mass:R:1:forces:R:3:contacts:I:1:rattler:I:1{more} dimension={p.dim} pressure={n(e.pressure)} "
             f'friction={n(p.friction)} poisson={n(p.poisson)}{e.said} wall={p.wall} units="{e.units.all}"\n')
     columns = [*e.x.T, e.ids, e.r, e.mass, *e.net.T, e.contacts, e.rattler, *e.vectors("u", "r")[1]]
-    return head.encode() + rows_of(columns, first="X")  # ASE: no element
+    return head.encode() + rows_of(columns, first="X ")  # ASE: no element
