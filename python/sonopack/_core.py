@@ -7,6 +7,7 @@ import importlib
 import inspect
 import math
 import os
+import pickle
 import re
 import textwrap
 import warnings
@@ -328,6 +329,34 @@ class Owner:
         """Makes the struct from what its sp_..._make takes before it."""
         self._c = new(self._type, getattr(lib, f"{self._type}_free"), getattr(lib, f"{self._type}_none"))
         call(getattr(lib, f"{self._type}_make"), *given, self._c)
+
+
+def in_child(work: Callable[[], _T]) -> _T:
+    """What `work` returns or raises, done in a child process; EOFError if that dies."""
+    there, here = os.pipe()
+    child = os.fork()
+    if child == 0:
+        try:
+            with os.fdopen(here, "wb") as out:
+                try:
+                    outcome: tuple[Any, Exception | None] = work(), None
+                except Exception as fault:
+                    outcome = None, fault
+                pickle.dump(outcome, out)
+        finally:
+            os._exit(0)
+    os.close(here)
+    with os.fdopen(there, "rb") as back:
+        data = back.read()
+    with contextlib.suppress(ChildProcessError):  # where a program ignores its children, nobody waits for them
+        os.waitpid(child, 0)
+    try:
+        found, raised = pickle.loads(data)
+    except pickle.UnpicklingError:  # cut
+        raise EOFError from None
+    if raised is not None:
+        raise raised
+    return found  # type: ignore[no-any-return]
 
 
 def figure_of_kind(kind: str) -> Callable[..., Any]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 import argparse
 import math
 import os
-import pickle
 import resource
 import statistics
 import time
@@ -67,25 +66,10 @@ def _measured(work: _Work, seconds: float) -> tuple[float, float, float]:
 
 def _apart(work: _Work, seconds: float) -> tuple[float, float, float]:
     """The same in a child process: memory that an earlier run has freed would hide the growth."""
-    there, here = os.pipe()
-    child = os.fork()
-    if child == 0:
-        try:
-            outcome: Any = _measured(work, seconds)
-        except SonopackError as fault:
-            outcome = fault
-        with os.fdopen(here, "wb") as out:
-            pickle.dump(outcome, out)
-        os._exit(0)
-    os.close(here)
-    with os.fdopen(there, "rb") as back:
-        data = back.read()
-    os.waitpid(child, 0)
-    outcome = pickle.loads(data) if data else Failed("the process that measured has died")
-    if isinstance(outcome, SonopackError):
-        raise outcome
-    found: tuple[float, float, float] = outcome
-    return found
+    try:
+        return _core.in_child(lambda: _measured(work, seconds))
+    except EOFError:
+        raise Failed("the process that measured has died") from None
 
 
 # ---- signals --------------------------------------------------------------------------------------------------------

@@ -3,14 +3,17 @@ displacements."""
 from __future__ import annotations
 
 import dataclasses
+import io
 import os
 from typing import Any
 
 import numpy as np
 
+from .. import __version__
 from .._core import Floats
 from .._packing import Packing
 from .._records import Material
+from ._faults import refused
 from .law import eta, stiffness_of
 from .sheet import Mask
 from .work import modulus, sphere_mass, sum_over
@@ -54,6 +57,19 @@ def rows_of(columns: list[Any], first: str = "", between: str = " ") -> bytes:
     texts = [[number_text(value) if isinstance(value, float) else str(value) for value in np.asarray(column).tolist()]
              for column in columns]
     return "".join(f"{first}{between.join(row)}\n" for row in zip(*texts)).encode()
+
+
+def mat_file(values: dict[str, Any], **words: Any) -> bytes:
+    """The bytes of a MATLAB 5 MAT-file with these variables. words: of scipy's savemat."""
+    import scipy.io
+
+    sizes = [sum(map(np.size, value.values())) if isinstance(value, dict) else np.size(value) for value in values.values()]
+    if 8 * max(sizes) > 0x7fffffff:
+        raise refused("a variable has more than 2 GB, the limit of a MAT-file")
+    out = io.BytesIO()
+    scipy.io.savemat(out, values, oned_as="column", **words)
+    head = f"MATLAB 5.0 MAT-file, written by sonopack {__version__}".encode()
+    return head.ljust(116) + out.getvalue()[116:]  # without the date: the same bytes on every run
 
 
 def beside(path: str, suffix: str) -> str:

@@ -2,21 +2,20 @@
 from __future__ import annotations
 
 import argparse
-import io
 import re
 from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from .. import __version__, _command
-from .._command import Failed, usage
+from .. import _command
+from .._command import usage
 from .._core import Floats, SonopackError
 from .._table import Table
+from .export import mat_file, number_text
 
 ENDINGS = (".mat", ".sac", ".slist")
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
-_MOST = 0x7fffffff  # bytes of a variable of a MAT-file
 _UNKNOWN = -12345  # in a header of SAC
 
 
@@ -25,17 +24,11 @@ _UNKNOWN = -12345  # in a header of SAC
 def mat(table: Table) -> bytes:
     """A variable for each column (text: a cell array), `units` (a struct with a text for each column) and `comments` (a cell
     array), as MATLAB 5."""
-    import scipy.io
-    if 8 * table.rows > _MOST:
-        raise Failed("a variable has more than 2 GB, the limit of a MAT-file")
     values = {_name(name): _cells(table[name]) if table[name].dtype.kind in "US" else table[name].astype(float)
               for name in table.names}
     values["units"] = {_name(name): unit for name, unit in table.units.items()}
     values["comments"] = _cells(table.comments)
-    out = io.BytesIO()
-    scipy.io.savemat(out, values, oned_as="column", long_field_names=True)
-    head = f"MATLAB 5.0 MAT-file, written by sonopack {__version__}".encode()
-    return head.ljust(116) + out.getvalue()[116:]  # without the date: the same bytes on every run
+    return mat_file(values, long_field_names=True)
 
 
 def _name(name: str) -> str:
@@ -92,15 +85,10 @@ class _Trace:
         self.check(float(np.finfo(float).max))
         if not 0 <= self.begin < 60:
             raise usage(f"the first time is {self.begin:g}; must be 0 .. 60")
-        head = (f"TIMESERIES SP_{self.station}__{self.component}_, {len(self.value)} samples, {_text(1 / self.step)} sps, "
+        head = (f"TIMESERIES SP_{self.station}__{self.component}_, {len(self.value)} samples, {number_text(1 / self.step)} sps, "
                 f"1970-01-01T00:00:{self.begin:09.6f}, SLIST, FLOAT, {self.unit}\n")
-        words = [_text(x) for x in self.value]
+        words = [number_text(x) for x in self.value.tolist()]
         return head + "".join("\t".join(words[k:k + 6]) + "\n" for k in range(0, len(words), 6))
-
-
-def _text(value: float) -> str:
-    """The digits that read back exactly."""
-    return next(text for text in (f"{value:.{digits}g}" for digits in range(15, 18)) if float(text) == value)
 
 
 def _word(text: str, most: int) -> str:

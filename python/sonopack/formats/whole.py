@@ -2,30 +2,25 @@
 sonopack writes it."""
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import io
 import os
-import pickle
 from typing import Any
 
 import numpy as np
 
-from .. import __version__
-from .._core import Floats, InvalidInput
+from .._core import Floats, InvalidInput, in_child
 from .._packing import Packing
 from .._records import Material
 from .._table import Table
 from . import table, vtk
-from ._faults import bad_file, bad_option, refused
-from .export import Columns, Export, Units, beside, contact_columns, grain_columns, number_text
+from ._faults import bad_file, bad_option
+from .export import Columns, Export, Units, beside, contact_columns, grain_columns, mat_file, number_text
 from .finish import not_usual
 from .law import usual_stiffness, wall_stiffness
 from .options import CELLS, WALLS
 from .sheet import load, text_of
 from .work import Links, contact_table, links_of
-
-_MOST = 0x7fffffff  # bytes of a variable of a MAT-file
 
 
 @dataclasses.dataclass
@@ -145,7 +140,6 @@ def _plain_head(head: dict[str, Any]) -> dict[str, Any]:
 
 def write_mat(e: Export) -> bytes:
     """A MATLAB 5 MAT-file: structs grains and contacts, their units, and the numbers of the packing."""
-    import scipy.io
     head = _head(e) | {"dimension": float(e.packing.dim), "units": e.units.all}
     values = {key: head[key] for key in ("dimension", "box", "cell", "tilt", "gravity", "pressure", "friction",
                                          "poisson", "wall", "units")
@@ -156,12 +150,7 @@ def write_mat(e: Export) -> bytes:
     for name, columns in (("grains", grain_columns(e)), ("contacts", contact_columns(e))):
         values[name] = {column: np.asarray(rows, dtype=float).reshape(-1, 1) for column, (rows, _) in columns.items()}
         values[name + "_units"] = {column: unit for column, (_, unit) in columns.items()}
-        if 8 * len(columns) * len(next(iter(columns.values()))[0]) > _MOST:
-            raise refused("a variable has more than 2 GB, the limit of a MAT-file")
-    out = io.BytesIO()
-    scipy.io.savemat(out, values, oned_as="column")
-    title = f"MATLAB 5.0 MAT-file, written by sonopack {__version__}".encode()
-    return title.ljust(116) + out.getvalue()[116:]  # without the date: the same bytes on every run
+    return mat_file(values)
 
 
 def _read_mat(path: str) -> _Whole:
@@ -176,29 +165,15 @@ def _load_mat(path: str) -> dict[str, Any]:
     """The variables of a file. scipy's reader trusts the tags of a damaged one, of which it may die: a child reads."""
     import scipy.io  # here, so that the child has it
     data = load(path)
-    reading, writing = os.pipe()
-    child = os.fork()
-    if child == 0:
-        try:
-            with os.fdopen(writing, "wb") as file:
-                try:
-                    found: Any = scipy.io.loadmat(io.BytesIO(data), squeeze_me=False, chars_as_strings=True)
-                except Exception as fault:  # scipy raises whatever a damaged file leads to
-                    found = f"{type(fault).__name__}: {fault}"
-                pickle.dump(found, file, 5)
-        finally:
-            os._exit(0)
-    os.close(writing)
     try:
-        with os.fdopen(reading, "rb") as file:
-            found = pickle.load(file)
-    except (EOFError, pickle.UnpicklingError):
-        found = "its tags do not fit its size"
-    with contextlib.suppress(ChildProcessError):  # where a program ignores its children, nobody waits for them
-        os.waitpid(child, 0)
-    if isinstance(found, str):
-        raise bad_file(f"{path}: is damaged or cut: {found}")
-    return dict(found)
+        found: dict[str, Any] = in_child(
+            lambda: scipy.io.loadmat(io.BytesIO(data), squeeze_me=False, chars_as_strings=True))
+        return found
+    except EOFError:
+        why = "its tags do not fit its size"
+    except Exception as fault:  # scipy raises whatever a damaged file leads to
+        why = f"{type(fault).__name__}: {fault}"
+    raise bad_file(f"{path}: is damaged or cut: {why}")
 
 
 # ---- CSV ------------------------------------------------------------------------------------------------------------
