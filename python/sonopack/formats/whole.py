@@ -166,9 +166,8 @@ def _load_mat(path: str) -> dict[str, Any]:
     import scipy.io  # here, so that the child has it
     data = load(path)
     try:
-        found: dict[str, Any] = in_child(
-            lambda: scipy.io.loadmat(io.BytesIO(data), squeeze_me=False, chars_as_strings=True))
-        return found
+        found: Any = in_child(lambda: scipy.io.loadmat(io.BytesIO(data), squeeze_me=False, chars_as_strings=True))
+        return dict(found)
     except EOFError:
         why = "its tags do not fit its size"
     except Exception as fault:  # scipy raises whatever a damaged file leads to
