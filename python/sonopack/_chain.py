@@ -18,10 +18,7 @@ def _source(word: str) -> int:
 @documented("sp_chain_front")
 def chain_front(balls: int, source: str = "velocity") -> Front:
     """The first front of the force on the far wall. source: velocity or displacement of the first ball."""
-    out = ffi.new("sp_front *")
-    call(lib.sp_chain_front, balls, _source(source), out)
-    front: Front = _core.record(Front, out)
-    return front
+    return _core.made(Front, None, lib.sp_chain_front, balls, _source(source))
 
 
 def _signal(times: npt.ArrayLike, function: object, *given: object) -> Floats:
@@ -50,6 +47,4 @@ def chain_airy(balls: int, times: npt.ArrayLike, source: str = "velocity") -> Fl
 def solitary(peak: float) -> Solitary:
     """The solitary wave of a chain of Hertzian balls whose largest additional overlap is `peak` overlaps at rest;
     math.inf: a chain that bears no force at rest."""
-    out = ffi.new("sp_solitary *")
-    call(lib.sp_solitary_make, float(peak), out)
-    return _core.record(Solitary, out)
+    return _core.made(Solitary, None, lib.sp_solitary_make, float(peak))

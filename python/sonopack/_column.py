@@ -163,10 +163,8 @@ class Column(_core.Owner):
     @documented("sp_tapped_symbol_at")
     def symbol(self, model: str, k: float, *, alpha: float, slope: float = 1.0) -> TappedSymbol:
         """Growth and squared speed of linear waves of the model eq35, eq37 or longwave, at the wave number k [1/cm]."""
-        out = ffi.new("sp_tapped_symbol *")
         number = _core.number_of("sp_tapped_model", model, "model")
-        call(lib.sp_tapped_symbol_at, self._spec(), number, alpha, slope, k, out)
-        return _core.record(TappedSymbol, out)
+        return _core.made(TappedSymbol, None, lib.sp_tapped_symbol_at, self._spec(), number, alpha, slope, k)
 
     @documented("sp_tapped_expansion_speed2")
     def expansion_speed2(self, alpha: float, slope: float = 1.0) -> float:
@@ -183,9 +181,7 @@ class Column(_core.Owner):
     @documented("sp_tapped_lyapunov")
     def lyapunov(self) -> TappedExponent:
         """The largest Lyapunov exponent per tap."""
-        out = ffi.new("sp_tapped_exponent *")
-        call(lib.sp_tapped_lyapunov, self._spec(), out)
-        return _core.record(TappedExponent, out)
+        return _core.made(TappedExponent, None, lib.sp_tapped_lyapunov, self._spec())
 
     @documented("sp_tapped_state_make")
     def start(self) -> Floats:

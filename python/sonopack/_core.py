@@ -188,6 +188,13 @@ def record(cls: type[_T], struct: Any, material: Any = None) -> _T:
     return made if material is None else with_material(made, material)
 
 
+def made(cls: type[_T], material: Any, function: Callable[..., int], *given: Any) -> _T:
+    """The dataclass of the struct that a function of the library fills, its last argument but for the error."""
+    struct = ffi.new(next(name for name, own in _records.RECORDS.items() if own is cls) + " *")
+    call(function, *given, struct)
+    return record(cls, struct, material)
+
+
 def with_material(result: _T, material: Any) -> _T:
     """A record that knows the material of its grains, for si()."""
     object.__setattr__(result, "_material", material)

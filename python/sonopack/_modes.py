@@ -242,9 +242,7 @@ class WaveSection(_core.NetworkResult, _fields.CoherentSection):
     @documented("sp_coherent_fit")
     def wave(self, omega: float) -> CoherentWave:
         """The coherent wave at one frequency."""
-        out = ffi.new("sp_coherent_wave *")
-        call(lib.sp_coherent_fit, self._c, omega, out)
-        return _core.record(CoherentWave, out, self._known_material())
+        return _core.made(CoherentWave, self._known_material(), lib.sp_coherent_fit, self._c, omega)
 
     @documented("sp_coherent_errors")
     def errors(self, wave: CoherentWave) -> tuple[float, float]:

@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
-from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 SPRING = _core.dtype_of("sp_spring")
 ENERGY = _core.dtype_of("sp_energy")
 FLUX = _core.dtype_of("sp_flux")
+
+
+_T = TypeVar("_T")
 
 
 def _given(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -91,6 +94,9 @@ class Network(_fields.Network):
             "threshold": threshold, "prestress": prestress, "sliding_free": sliding_free, "tangential": tangential})
         self._make(packing._c, self._options)
         self.packing = packing
+
+    def _record(self, cls: type[_T], function: Callable[..., int], *given: Any) -> _T:
+        return _core.made(cls, self.packing.material, function, *given)
 
     # ---- the matrix -------------------------------------------------------------------------------------------------
 
@@ -209,9 +215,7 @@ class Network(_fields.Network):
     @documented("sp_stability_make")
     def stability(self) -> _records.Stability:
         """Whether any motion grows."""
-        out = ffi.new("sp_stability *")
-        call(lib.sp_stability_make, self.packing._c, self._c, out)
-        return _core.record(_records.Stability, out, self.packing.material)
+        return self._record(_records.Stability, lib.sp_stability_make, self.packing._c, self._c)
 
     # ---- waves ------------------------------------------------------------------------------------------------------
 
@@ -234,9 +238,8 @@ class Network(_fields.Network):
     @documented("sp_network_front")
     def front(self, *, source: str = "impulse", window: float = 0.0) -> _records.Front:
         """The first wave front at the top wall."""
-        out = ffi.new("sp_front *")
-        call(lib.sp_network_front, self._c, _core.number_of("sp_source", source, "source"), window, out)
-        return _core.record(_records.Front, out, self.packing.material)
+        number = _core.number_of("sp_source", source, "source")
+        return self._record(_records.Front, lib.sp_network_front, self._c, number, window)
 
     @documented("sp_signal_field")
     def field(self, times: npt.ArrayLike, *, source: str = "impulse", at: Where | None = None, threads: int = 1,
@@ -263,9 +266,7 @@ class Network(_fields.Network):
     @documented("sp_moduli_make")
     def moduli(self, margin: float = 3.0) -> _records.Moduli:
         """Elastic moduli and speeds of long waves. margin: layers at the walls that do not count for the density."""
-        out = ffi.new("sp_moduli *")
-        call(lib.sp_moduli_make, self._c, self._density(margin), out)
-        return _core.record(_records.Moduli, out, self.packing.material)
+        return self._record(_records.Moduli, lib.sp_moduli_make, self._c, self._density(margin))
 
     @documented("sp_elasticity_make")
     def elasticity(self, margin: float = 3.0) -> Elasticity:
@@ -305,9 +306,8 @@ class Network(_fields.Network):
         """Moduli at a finite strain, with the full contact law."""
         options = ffi.new("sp_finite_strain_options *", lib.sp_finite_strain_options_default())
         _core.set_fields(options, {"strain": float(strain), "turning": turning})
-        out = ffi.new("sp_finite_strain *")
-        call(lib.sp_moduli_finite_strain, self.packing._c, self._c, self._density(margin), options, out)
-        return _core.record(_records.FiniteStrain, out, self.packing.material)
+        return self._record(_records.FiniteStrain, lib.sp_moduli_finite_strain, self.packing._c, self._c,
+                            self._density(margin), options)
 
     # ---- sensitivities ----------------------------------------------------------------------------------------------
 
@@ -420,29 +420,23 @@ class Network(_fields.Network):
                     waves: int | None = None, sources: int | None = None, seed: int | None = None,
                     until: float | None = None) -> _records.Spread:
         """The diffusivity of energy from the spreading of random motions."""
-        out = ffi.new("sp_spread *")
-        call(lib.sp_spread_make, self._c, omega,
-             _core.options_of("sp_spread_options", {"axis": axis, "width": width, "waves": waves, "sources": sources,
-                                                    "seed": seed, "until": until}), out)
-        return _core.record(_records.Spread, out, self.packing.material)
+        options = _core.options_of("sp_spread_options", {"axis": axis, "width": width, "waves": waves, "sources": sources,
+                                                         "seed": seed, "until": until})
+        return self._record(_records.Spread, lib.sp_spread_make, self._c, omega, options)
 
     @documented("sp_kubo_make")
     def kubo(self, modes: Modes, omega: float, *, axis: int | None = None, width: float | None = None,
              smear: float | None = None) -> _records.Kubo:
         """The diffusivity of energy from all modes of the network, with vectors."""
-        out = ffi.new("sp_kubo *")
-        call(lib.sp_kubo_make, self._c, modes._c, 1, ffi.new("double *", omega),
-             _core.options_of("sp_kubo_options", {"axis": axis, "width": width, "smear": smear}), out)
-        return _core.record(_records.Kubo, out, self.packing.material)
+        options = _core.options_of("sp_kubo_options", {"axis": axis, "width": width, "smear": smear})
+        return self._record(_records.Kubo, lib.sp_kubo_make, self._c, modes._c, 1, ffi.new("double *", omega), options)
 
     @documented("sp_split_make")
     def split(self, omega: float, *, width: float | None = None, sources: int | None = None, seed: int | None = None,
               start: float | None = None) -> _records.Split:
         """The split of the energy in equilibrium and after a pulse. start: the first time after the pulse."""
-        out = ffi.new("sp_split *")
-        call(lib.sp_split_make, self._c, omega,
-             _core.options_of("sp_split_options", {"width": width, "sources": sources, "seed": seed, "from": start}), out)
-        return _core.record(_records.Split, out, self.packing.material)
+        options = _core.options_of("sp_split_options", {"width": width, "sources": sources, "seed": seed, "from": start})
+        return self._record(_records.Split, lib.sp_split_make, self._c, omega, options)
 
     @documented("sp_network_dashpots")
     def damping(self, damping: float | str) -> Network:

@@ -202,7 +202,7 @@ class Packing(_core.Drawn, _fields.Packing):
         if len(times) != self.dim:
             raise _core.invalid("times", f"has {len(times)} numbers: must be one for each of the {self.dim} dimensions")
         base, n, copies = self.contacts, self.n, math.prod(times)
-        lattice = np.array([shape.vector(axis)[: self.dim] for axis in range(self.dim)])
+        lattice = shape.lattice()
         cell = np.array(list(np.ndindex(*times)))
         x = (self.x[None, :, : self.dim] + (cell @ lattice)[:, None, :]).reshape(-1, self.dim)
         i, j, bulk = base["i"], base["j"], base["j"] >= 0
@@ -215,10 +215,7 @@ class Packing(_core.Drawn, _fields.Packing):
             there = np.ravel_multi_index(tuple((np.mod(here + step, times)).T), times)
             table["i"][rows] = k * n + i
             table["j"][rows] = np.where(bulk, there * n + j, j)
-        turned = (table["j"] >= 0) & (table["j"] < table["i"])
-        table["i"][turned], table["j"][turned] = table["j"][turned], table["i"][turned]
-        table["n"][turned] *= -1
-        table["ft"][turned] *= -1
+        _order(table)
         mass, inertia, species = (None if of is None else np.tile(of, copies) for of in self._masses())
         along = (*times, 1, 1)
         xy, xz, yz = self.tilt
@@ -301,16 +298,12 @@ class Packing(_core.Drawn, _fields.Packing):
     @documented("sp_packing_audit")
     def audit(self, threshold: float = 1e-4) -> Audit:
         """Checks the physics: balance of forces and torques, Coulomb's law, walls, contacts against positions."""
-        out = ffi.new("sp_audit *")
-        call(lib.sp_packing_audit, self._c, threshold, out)
-        return _core.record(Audit, out, self.material)
+        return _core.made(Audit, self.material, lib.sp_packing_audit, self._c, threshold)
 
     @documented("sp_statics")
     def statics(self, threshold: float = 1e-4, margin: float = 3.0) -> Statics:
         """Densities, contacts, forces and stress, averaged over the bulk."""
-        out = ffi.new("sp_statics *")
-        call(lib.sp_statics_make, self._c, threshold, margin, out)
-        return _core.record(Statics, out, self.material)
+        return _core.made(Statics, self.material, lib.sp_statics_make, self._c, threshold, margin)
 
     @documented("sp_ring_statics_make")
     def ring_statics(self, threshold: float = 1e-4) -> RingStatics:
@@ -476,11 +469,10 @@ class _Cell:
     def periodic(self, axis: int) -> bool:
         return self.kind == "periodic" or (self.kind == "piston" and axis < len(self.box) - 1)
 
-    def vector(self, axis: int) -> Floats:
-        """The lattice vector of an axis."""
-        xy, xz, yz = self.tilt
-        rows: tuple[list[float], ...] = ([], [xy], [xz, yz])
-        return np.array([*rows[axis], self.box[axis], 0.0, 0.0][:len(self.box)])
+    def lattice(self) -> Floats:
+        """The lattice vectors [dim][dim]."""
+        (xy, xz, yz), (a, b, c), dim = self.tilt, [*self.box, 0.0, 0.0][:3], len(self.box)
+        return np.array([[a, 0, 0], [xy, b, 0], [xz, yz, c]])[:dim, :dim]
 
     def walls(self) -> dict[int, tuple[int, float]]:
         """The axis across each wall, and where on it the wall is."""
@@ -503,9 +495,9 @@ class _Cell:
 def _geometry(x: Floats, r: Floats, i: npt.NDArray[Any], j: npt.NDArray[Any], cell: _Cell) -> tuple[Floats, Floats]:
     """Unit vectors from i to j, across the periodic sides where that is shorter (to walls straight), and overlaps."""
     away: Floats = x[np.maximum(j, 0)] - x[i]
-    for axis in reversed(range(x.shape[1])):
+    for axis, vector in reversed(list(enumerate(cell.lattice()))):
         if cell.periodic(axis):
-            away -= np.round(away[:, axis] / cell.box[axis])[:, None] * cell.vector(axis)
+            away -= np.round(away[:, axis] / cell.box[axis])[:, None] * vector
     away[j < 0] = 0
     for wall, (axis, place) in cell.walls().items():
         if cell.kind == "ring":
@@ -549,8 +541,13 @@ def _contacts(x: npt.NDArray[Any], r: Floats, given: Mapping[str, npt.ArrayLike]
         if ft.ndim == 1 and dim == 2 and ft.shape == (count,):
             ft = ft[:, None] * np.stack([-normals[:, 1], normals[:, 0]], axis=1)
         table["ft"][:, :dim] = _axes(ft, count, dim, "ft")
-    swap = (j >= 0) & (j < i)  # the library has i < j; n and the force on i change their signs
-    table["i"][swap], table["j"][swap] = j[swap], i[swap]
+    _order(table)
+    return table
+
+
+def _order(table: npt.NDArray[Any]) -> None:
+    """The library has i < j: n and the force on i change their signs."""
+    swap = (table["j"] >= 0) & (table["j"] < table["i"])
+    table["i"][swap], table["j"][swap] = table["j"][swap], table["i"][swap]
     table["n"][swap] *= -1
     table["ft"][swap] *= -1
-    return table

@@ -27,9 +27,7 @@ def front(t: npt.ArrayLike, f: npt.ArrayLike, *, window: float | None = None, ri
         raise _core.invalid("f", f"has the shape {values.shape}, and t {times.shape}: must have one number for each time")
     options = ffi.new("sp_front_options *", lib.sp_front_options_default())
     _core.set_fields(options, {"window": window, "rise": rise, "prominence": prominence})
-    out = ffi.new("sp_front *")
-    call(lib.sp_front_find, len(times), _core.pointer_to(times), _core.pointer_to(values), options, out)
-    return _core.record(Front, out)
+    return _core.made(Front, None, lib.sp_front_find, len(times), _core.pointer_to(times), _core.pointer_to(values), options)
 
 
 class Pulse:

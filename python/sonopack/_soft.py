@@ -118,8 +118,7 @@ def _transverse_speed(network: Network) -> float:
 
 def _wave_vectors(packing: Packing, until: float) -> Floats:
     """One of k and -k, shortest first: those of the first shell, and all with |k| <= until."""
-    dim, cell = packing.dim, _Cell(packing.cell, list(packing.box), list(packing.tilt))
-    lattice = np.array([cell.vector(axis)[:dim] for axis in range(dim)])
+    dim, lattice = packing.dim, _Cell(packing.cell, list(packing.box), list(packing.tilt)).lattice()
     reciprocal = 2 * np.pi * np.linalg.inv(lattice).T
     most = (np.maximum(until, 0) * np.linalg.norm(lattice, axis=1) / (2 * np.pi)).astype(int) + 1
     n = np.array([n for n in itertools.product(*(range(-m, m + 1) for m in most)) if n > (0,) * dim])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import io
 import os
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -166,8 +167,7 @@ def _load_mat(path: str) -> dict[str, Any]:
     import scipy.io  # here, so that the child has it
     data = load(path)
     try:
-        found: Any = in_child(lambda: scipy.io.loadmat(io.BytesIO(data), squeeze_me=False, chars_as_strings=True))
-        return dict(found)
+        return in_child(partial(scipy.io.loadmat, io.BytesIO(data), squeeze_me=False, chars_as_strings=True))
     except EOFError:
         why = "its tags do not fit its size"
     except Exception as fault:  # scipy raises whatever a damaged file leads to
