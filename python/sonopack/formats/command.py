@@ -325,12 +325,10 @@ def _after_pulse(packing: Packing, times: list[float], threads: int) -> list[Mot
 
 def _of_grains(motion: Motion, factor: float = 1.0) -> tuple[Floats, Floats | None]:
     """Displacements and rotations of all grains [n][3]; rattlers do not move."""
-    net, n = motion.network, motion.network.packing.n
-    u, turn = np.zeros((n, 3)), np.zeros((n, 3)) if net.dof > net.dim else None
-    u[net.grain, :net.dim] = factor * motion.u[:, :net.dim]
-    if turn is not None:
-        turn[net.grain, 2 if net.dim == 2 else 0:] = factor * motion.u[:, net.dim:]
-    return u, turn
+    net = motion.network
+    u, turns = np.split(factor * net.spread(motion.u, 0.0), [net.dim], axis=1)
+    u = np.pad(u, ((0, 0), (0, 3 - net.dim)))
+    return u, np.pad(turns, ((0, 0), (3 - turns.shape[1], 0))) if net.dof > net.dim else None
 
 
 # ---- writing --------------------------------------------------------------------------------------------------------

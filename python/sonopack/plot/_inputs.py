@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from .._core import Floats, SonopackError, invalid, words
+from .._core import Floats, SonopackError, invalid
 from .._network import Network
 from .._packing import Packing
 from .._records import Material
@@ -326,10 +326,4 @@ def _number(cell: str, place: str) -> float:
 
 def network_of(packing: Packing, scene: Scene | None = None) -> Network:
     """The network of a packing, with the keys of the group network of a scene."""
-    return network_with(packing, scene._c.network) if scene else packing.network()
-
-
-def network_with(packing: Packing, options: Any) -> Network:
-    """The network of a packing with these sp_network_options."""
-    return packing.network(threshold=options.threshold, prestress=options.prestress, sliding_free=options.sliding_free,
-                           tangential=words("sp_springs")[options.tangential])
+    return packing.network(**(scene.options("network") if scene else {}))

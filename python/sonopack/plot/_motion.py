@@ -16,7 +16,7 @@ from .._network import Network
 from .._packing import Packing
 from .._scene import Scene
 from .._table import Table
-from ._inputs import Input, network_of, network_with
+from ._inputs import Input, network_of
 from ._units import refuse
 
 
@@ -158,7 +158,9 @@ def _of_file(one: Input, packing: Packing, number: int | None) -> Motion:
     """Of a file of `sonopack modes --vectors FILE.h5', of which one vector is read."""
     f = _core.new("sp_modes_file", lib.sp_modes_file_free, lib.sp_modes_file_none)
     call(lib.sp_modes_file_read, c_path(one.path), packing._c, f)
-    network = network_with(packing, ffi.new("sp_network_options *", f.made.network))
+    made = f.made.network
+    network = packing.network(threshold=made.threshold, prestress=made.prestress, sliding_free=made.sliding_free,
+                              tangential=_core.words("sp_springs")[made.tangential])
     if (f.n, f.dof) != (network.n, network.dof) or not np.array_equal(_core.view(f, f.grain, (f.n,)), network.grain):
         raise refuse(one.name, "the modes have other grains or degrees of freedom than the network")
     m = f.modes
@@ -195,14 +197,10 @@ def find_snapshots(given: Sequence[Input], times: Sequence[float] | None, scene:
     if network.cell == "periodic":
         raise Failed("the cell is periodic and has no walls, between which the pulse of a snapshot passes: `sonopack "
                      "signal' sends pulses from plane to plane (--from plane:Y --detector plane:Z)")
-    t = np.array(times or [usual_time(network.packing)])
-    u, errors = np.empty((len(t), network.n, network.dof)), np.empty(len(t))
-    source = scene._c.signal.source if scene else lib.sp_signal_options_default().source
-    at = _core.pointer_to(t, "const double *")
-    spec = ffi.new("sp_field_options *", {"source": source, "times": len(t), "t": at})
-    call(lib.sp_signal_field, network._c, spec, _core.pointer_to(u), _core.pointer_to(errors))
-    word = _core.words("sp_source")[source]
-    return [Motion(network, u[k], False, t=float(t[k]), source=word, error=float(errors[k])) for k in range(len(t))]
+    times = times or [usual_time(network.packing)]
+    source = scene.options("signal")["source"] if scene else "impulse"
+    u, errors = network.field(times, source=source, errors=True)
+    return [Motion(network, u[k], False, t=t, source=source, error=float(errors[k])) for k, t in enumerate(times)]
 
 
 # ---- tables ---------------------------------------------------------------------------------------------------------

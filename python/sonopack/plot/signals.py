@@ -11,9 +11,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from .._core import Floats, SonopackError, call, new, view
-from .._native import ffi, lib
-from .._packing import Packing
+from .._core import Floats, SonopackError
 from .._records import Front, Material
 from .._scene import Scene
 from .._signal import front, signal_window
@@ -62,23 +60,12 @@ def traces_of(source: Input, scene: Scene | None = None) -> list[Trace]:
 def _computed(source: Input, scene: Scene | None) -> Trace:
     packing, height = source.packing, source.packing.height
     window = signal_window(height, packing.pressure)
-    t, f = compute_signal(packing, scene, window)
+    words: dict[str, Any] = {"until": window, **(scene.options("signal") if scene else {})}
+    made = network_of(packing, scene).signal(**words)
     (time, t_unit), (force, f_unit), (length, length_unit) = (to_si(unit, source.material)
                                                               for unit in (TIME, FORCE, LENGTH))
-    return Trace(t * time, f * force, t_unit, f_unit, window * time, source, distance=height * length,
+    return Trace(made.t * time, made.F * force, t_unit, f_unit, window * time, source, distance=height * length,
                  length_unit=length_unit)
-
-
-def compute_signal(packing: Packing, scene: Scene | None, window: float) -> tuple[Floats, Floats]:
-    """Times and forces of a packing, with the keys of the groups network and signal of a scene."""
-    options = ffi.new("sp_signal_options *", scene._c.signal if scene else lib.sp_signal_options_default())
-    if not options.until > 0:
-        options.until = window
-    network = network_of(packing, scene)
-    struct = new("sp_signal", lib.sp_signal_free, lib.sp_signal_none)
-    call(lib.sp_signal_make, network._c, options, struct)
-    shape = (int(struct.n),)
-    return view(struct, struct.t, shape), view(struct, struct.f, shape)
 
 
 def _columns(source: Input) -> list[Trace]:

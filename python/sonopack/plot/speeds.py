@@ -101,8 +101,8 @@ def _power_law(one: Input, p: Floats) -> tuple[float, float, Floats, Floats] | N
     if len(x) == 0 or not np.ptp(x) > 0 or (np.isnan(slope) and len(x) < 3):
         return None
     if np.isnan(slope):
-        slope, rest = np.polyfit(x, y, 1)[0], np.polyfit(x, y, 1, full=True)[1]
-        spread = float(np.sqrt((rest[0] if len(rest) else 0) / (len(x) - 2) / np.sum((x - x.mean())**2)))
+        (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
+        spread = float(np.sqrt(covariance[0, 0]))
     bars = error[there] / c[there] if error is not None else np.zeros(len(x))
     weights = 1 / bars**2 if np.all(bars > 0) else np.ones(len(x))
     line = np.geomspace(p[there].min(), p[there].max(), 64)

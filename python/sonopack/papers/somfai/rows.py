@@ -129,11 +129,10 @@ def speed(rise: float, early: Mean, late: Mean) -> Mean:
 
 # ---- counts ---------------------------------------------------------------------------------------------------------
 
-@dataclasses.dataclass(frozen=True)
-class Counts:
+class Counts(NamedTuple):
     """Verdicts on values. judged: those with a deviation_err; within1, beyond2, beyond3: in those errors. chi2,
-    chi2_bare: sums of squares with and without the rounding of print; NAN for stated numbers, whose precision is no
-    deviation."""
+    chi2_without_rounding: sums of squares, with and without the rounding of print; NAN for stated numbers, whose
+    precision is no deviation."""
 
     values: int
     agree: int
@@ -143,18 +142,17 @@ class Counts:
     beyond2: int
     beyond3: int
     chi2: float
-    chi2_bare: float
+    chi2_without_rounding: float
 
 
 def counted(rows: Iterable[Row], item: str = "", means: bool = True) -> Counts:
     """Counts over the values of an item, or of all: means that the paper prints, or numbers that it states."""
     some = [row for row in rows if item in ("", row.item) and not row.is_claim and row.is_mean == means]
-    sigmas = [abs(row.sigma) for row in some if math.isfinite(row.sigma)]
-    pairs = [(abs(row.deviation_err), row.combined) for row in some if math.isfinite(row.deviation_err)]
-    off = [pair[0] for pair in pairs]
-    return Counts(len(sigmas), sum(x <= 1 for x in sigmas), len(some) - len(sigmas), len(off), sum(x <= 1 for x in off),
-                  sum(x > 2 for x in off), sum(x > 3 for x in off), sum(x * x for x in off) if means else math.nan,
-                  sum(bare * bare for _, bare in pairs) if means else math.nan)
+    sigma, off, bare = (np.abs([getattr(row, name) for row in some]) for name in ("sigma", "deviation_err", "combined"))
+    counts = [np.isfinite(sigma), sigma <= 1, ~np.isfinite(sigma), np.isfinite(off), off <= 1, off > 2, off > 3]
+    judged = np.isfinite(off)
+    return Counts(*(int(np.sum(which)) for which in counts), *(float(np.sum(x[judged]**2)) if means else math.nan
+                                                               for x in (off, bare)))
 
 
 @dataclasses.dataclass(frozen=True)
@@ -224,9 +222,8 @@ def _counts(work: SomfaiWork, means: str, stated: str) -> list[tuple[str, Counts
 
 def _add_counts(made: Table, work: SomfaiWork) -> None:
     for name, c in _counts(work, "tables", "stated"):
-        made.add_comment(f"count: {name} values {c.values} agree {c.agree} missing {c.missing} judged {c.judged} within1 "
-                         f"{c.within1} beyond2 {c.beyond2} beyond3 {c.beyond3} chi2 {c.chi2:.1f} chi2_without_rounding "
-                         f"{c.chi2_bare:.1f}")
+        made.add_comment(f"count: {name} " + " ".join(f"{key} {value:.1f}" if key.startswith("chi2") else f"{key} {value}"
+                                                      for key, value in c._asdict().items()))
     found = _claims(work.rows)
     if found:
         made.add_comment(f"claims: {len(found)} hold {found.count('holds')} contradicted {found.count('contradicted')} "
@@ -276,7 +273,7 @@ def _claim_cells(row: Row) -> list[str]:
 
 
 def _count_cells(name: str, c: Counts) -> list[str]:
-    squares = [_number("%.1f", x) if c.judged else "–" for x in (c.chi2, c.chi2_bare)]
+    squares = [_number("%.1f", x) if c.judged else "–" for x in (c.chi2, c.chi2_without_rounding)]
     return [name, *map(str, (c.values, c.agree, c.judged, c.within1, c.beyond2, c.beyond3)), *squares]
 
 
@@ -311,7 +308,7 @@ def _lead(rows: Sequence[Row], page: Page) -> None:
         page.paragraph(
             f"Of {means.judged} means that the paper prints {means.within1} lie within one combined standard "
             f"error, {means.beyond2} beyond two and {means.beyond3} beyond three; chi^2 = {means.chi2:.0f} "
-            f"({means.chi2_bare:.0f} without the rounding of print). This is the sharper measure, and shows "
+            f"({means.chi2_without_rounding:.0f} without the rounding of print). This is the sharper measure, and shows "
             "differences that the scatter of one sample hides.", "By the standard errors of both means.")
     if found:
         page.paragraph(
