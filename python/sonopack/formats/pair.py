@@ -50,19 +50,16 @@ class _Keys:
     """What options and comment lines say: options first, then the comments of the grains, then those of the contacts."""
 
     def __init__(self, grains: Sheet, contacts: Sheet, given: Mapping[str, Any]) -> None:
-        self._grains, self._contacts = grains, contacts
-        self._given = {str(key).removeprefix("packing."): str(value) for key, value in given.items()}
-        for key, value in self._given.items():
+        self._grains = grains
+        self._said = {key: (value, sheet.file) for sheet in (contacts, grains) for key, value in sheet.said.items()}
+        for key, value in ((str(key).removeprefix("packing."), str(value)) for key, value in given.items()):
             if key not in _KEYS:
                 raise bad_option(f"'{key}={value}': must be key=value with one of the keys {', '.join(_KEYS)}")
+            self._said[key] = value, "option"
 
     def word(self, key: str) -> tuple[str | None, str]:
         """The value of a key, or None, and where it stands."""
-        for said, where in ((self._given, "option"), (self._grains.said, self._grains.file),
-                            (self._contacts.said, self._contacts.file)):
-            if key in said:
-                return said[key], where
-        return None, self._grains.file
+        return self._said.get(key, (None, self._grains.file))
 
     def _fail(self, key: str, rule: str) -> NoReturn:
         value, where = self.word(key)

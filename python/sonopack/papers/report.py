@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import os
+import pathlib
 import re
 from collections.abc import Sequence
 from typing import Any
@@ -15,17 +16,6 @@ from .work import Work
 #: first lines of a report, and of an unfinished one
 MARK = "<!-- sonopack reproduce -->"
 UNFINISHED = "This report is not finished."
-
-STYLE = (
-    "body{font:16px/1.45 Georgia,serif;max-width:46em;margin:1em auto;padding:0 1em;color:#111;background:#fff}"
-    "h1{font-size:1.5em;line-height:1.2}h2{font-size:1.2em;margin-top:2em;border-top:1px solid #bbb;padding-top:.6em}"
-    ".wide{overflow-x:auto}table{border-collapse:collapse;font:13px/1.35 sans-serif;margin:.8em 0}"
-    "th,td{padding:.15em .6em;text-align:right;white-space:nowrap;border-bottom:1px solid #ddd}"
-    "td.sentence{white-space:normal;text-align:left;min-width:16em}th:first-child,td:first-child{text-align:left}"
-    "tr.deviates td{background:#fdebd3}tr.missing td{color:#777}"
-    "figure{margin:1.2em 0;text-align:center}img{max-width:100%;height:auto}"
-    "figcaption{font-size:.9em;color:#333;text-align:left}"
-    "@media print{body{max-width:none;font-size:11pt}figure,table{break-inside:avoid}}")
 
 
 def take_folder(folder: str, replace: bool) -> None:
@@ -78,9 +68,10 @@ class Page:
     """The two forms as they grow. Texts are plain: what is special is escaped, and +- becomes ±."""
 
     def __init__(self, title: str) -> None:
+        style = pathlib.Path(__file__).with_name("report.css").read_text(encoding="utf-8")
         self.html = [f'<!DOCTYPE html>\n{MARK}\n<html lang="en"><head><meta charset="utf-8">\n'
                      '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-                     f"<title>{title}</title>\n<style>{STYLE}</style></head>\n<body>\n<h1>{title}</h1>\n"]
+                     f"<title>{title}</title>\n<style>\n{style}</style></head>\n<body>\n<h1>{title}</h1>\n"]
         self.markdown = [f"{MARK}\n\n# {title}\n\n"]
 
     def heading(self, name: str, text: str) -> None:

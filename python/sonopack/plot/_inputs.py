@@ -58,10 +58,8 @@ class Input:
         """The table, in SI where that is asked for."""
         table = self.raw_table
         for name in (name for name in table.names if table[name].dtype.kind == "f"):
-            huge = np.flatnonzero(np.isfinite(table[name]) & (np.abs(table[name]) > LARGEST))
-            if len(huge):
-                raise refuse(self.name, f"row {huge[0] + 1}, {name} = {table[name][huge[0]]:g}: must be within "
-                                        f"{LARGEST:g}")
+            huge = np.isfinite(table[name]) & (np.abs(table[name]) > LARGEST)
+            self.check(name, table[name], huge, f"within {LARGEST:g}")
         known = self.material is None or any(map(is_ours, table.units.values()))
         if not known and not any(table.units.values()) and not table.metadata:
             raise refuse(self.name, "names no units, so nothing can be converted to SI: must be a table with the line "
@@ -99,10 +97,14 @@ class Input:
     def not_negative(self, name: str) -> Floats | None:
         """A column of numbers of 0 or more, None without one."""
         values = self.optional(name)
-        if values is not None and np.any(values < 0):
-            row = int(np.argmax(values < 0))
-            raise refuse(self.name, f"row {row + 1}, {name} = {values[row]:g}: must be a number >= 0, or nan")
+        if values is not None:
+            self.check(name, values, values < 0, "a number >= 0, or nan")
         return values
+
+    def check(self, name: str, values: Floats, wrong: npt.NDArray[np.bool_], must: str) -> None:
+        """Refuses the first row of a column that is wrong."""
+        for row in np.flatnonzero(wrong)[:1]:
+            raise refuse(self.name, f"row {row + 1}, {name} = {values[row]:g}: must be {must}")
 
     def number(self, key: str) -> float:
         """A number of the comments, nan without it."""

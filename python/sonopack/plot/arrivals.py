@@ -59,9 +59,7 @@ def _read(one: Input) -> tuple[dict[str, Floats], list[str]]:
         found = one.column(columns[name]) if name in columns else nothing
         bars = one.errors(columns[name]) if name in columns else None
         wrong = np.isinf(found) | ((found <= 0) if name in POSITIVE else np.zeros(len(found), bool))
-        if wrong.any():
-            row, must = int(np.argmax(wrong)), "above 0" if name in POSITIVE else "finite"
-            raise refuse(one.name, f"row {row + 1}, {columns[name]} = {found[row]:g}: must be {must}, or nan")
+        one.check(columns.get(name, name), found, wrong, "above 0, or nan" if name in POSITIVE else "finite, or nan")
         values[name], values[f"{name}_err"] = found, nothing if bars is None else bars
     return values, [name for name in KEYS if name not in columns.values()]
 

@@ -62,10 +62,7 @@ def _positive(one: Input, name: str, values: Floats | None) -> Floats:
     """Values that a logarithmic axis can show, or nan; nan where there is no column."""
     if values is None:
         return np.full(one.table.rows, np.nan)
-    wrong = (values <= 0) | np.isinf(values)
-    if np.any(wrong):
-        row = int(np.argmax(wrong))
-        raise refuse(one.name, f"row {row + 1}, {name} = {values[row]:g}: must be above 0, or nan")
+    one.check(name, values, (values <= 0) | np.isinf(values), "above 0, or nan")
     return values
 
 

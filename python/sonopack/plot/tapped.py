@@ -85,8 +85,7 @@ class Tapped:
 
     def check_finite(self, column: str) -> None:
         values = self.table[column].astype(float)
-        for bad in np.flatnonzero(~np.isfinite(values))[:1]:
-            raise refuse(self.one.name, f"row {bad + 1}, {column} = {values[bad]:g}: must be finite")
+        self.one.check(column, values, ~np.isfinite(values), "finite")
 
     def check_any(self, what: str, *columns: Floats) -> None:
         """Whether there is something to draw."""
