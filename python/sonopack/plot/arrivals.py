@@ -86,9 +86,9 @@ def fronts(given: Sequence[Input], *, ax: Axes | None = None, signal: Any = None
     if low >= 0:
         ax.set_ylim(bottom=0)
     ax.set(xlabel=distance_label(given), ylabel=label("$t$", units[1]))
-    legend(ax, entries)
     if signal is not None:
         _inset(ax, Input(signal, material=given[0].material), scene)
+    legend(ax, entries)
     return ax
 
 
@@ -173,9 +173,9 @@ def scaling(given: Sequence[Input], *, ax: Any = None) -> Any:
     for ax, name, exponent, symbol in zip(axes, ("amplitude", "width"), (r"\gamma", r"\alpha"), "AW"):
         ax.set(xscale="log", xlabel=distance_label(given), ylabel=rf"${exponent}_\mathrm{{eff}}$",
                xlim=(0.85 * np.nanmin(seen), np.nanmax(seen) / 0.85))
-        legend(ax)
         if any(np.any(np.isfinite(group.columns[name])) for group in groups):
             _sizes(ax, groups, name, symbol, given)
+        legend(ax)
     return axes
 
 

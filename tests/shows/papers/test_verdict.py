@@ -6,7 +6,7 @@ import pytest
 from sonopack.papers.blackmore.rows import Row as Claim
 from sonopack.papers.report import Page
 from sonopack.papers.somfai.claims import _first_pulse
-from sonopack.papers.somfai.fronts import line
+from sonopack.papers.somfai.fronts import _equal, _over_first, line
 from sonopack.papers.somfai.rows import (Mean, Row, _claim_cells, _value_cells, counted, exact, families, judged, mean_of,
                                          ratio, speed)
 from sonopack.papers.somfai.samples import count, needs, scene
@@ -121,8 +121,11 @@ def test_ensembles():
 
 
 def test_numbers():
-    slope, start = line([0, 1, 2], [Mean(1, y, NAN, 0.1) for y in (1, 3, 5)])
-    assert (slope.mean, start) == (2, 1) and slope.err == pytest.approx(0.1 / 2**0.5)
-    assert math.isnan(line([1], [exact(1.0)])[0].mean)
+    slope = line([0, 1, 2], [Mean(1, y, NAN, 0.1) for y in (1, 3, 5)])
+    assert slope.mean == pytest.approx(2) and slope.err == pytest.approx(0.1 / 2**0.5)
+    assert math.isnan(line([1], [exact(1.0)]).mean)
+    chain = _over_first(_equal())  # far away A ~ L^(-2/3), W ~ L^(1/3)
+    assert chain["amplitude"][0] == chain["width10"][0] == 1 and chain["gamma"][-2] == pytest.approx(2 / 3, abs=0.02)
+    assert chain["alpha"][-2] == pytest.approx(1 / 3, abs=0.01) and not chain["gamma_err"][:-1].any()
     for early, late, exponent in zip(_first_pulse(1e3), _first_pulse(1e4), (-1, -0.5)):  # 1/t, and t^(-1/2) behind it
         assert math.log10(late / early) == pytest.approx(exponent, abs=0.03)

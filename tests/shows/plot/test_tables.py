@@ -138,6 +138,14 @@ def test_arrivals_and_their_speed():
     assert texts(ax)[0].startswith("$t_{10}$,  $c$ = 0.25 ") and len(ax.containers) == 1
 
 
+def test_an_inset_and_the_legend_are_apart():
+    ax = plot.fronts(arrivals(), signal=pulse())
+    inner, = ax.child_axes
+    ax.figure.draw_without_rendering()
+    box = ax.get_legend().get_window_extent()
+    assert len(inner.lines) == 5 and not inner.get_tightbbox().overlaps(box)
+
+
 def test_groups_of_fronts_are_named_by_their_width():
     ax = plot.fronts(arrivals(12), arrivals(24))
     assert texts(ax)[:2] == ["width 12 $d$", "width 24 $d$"]

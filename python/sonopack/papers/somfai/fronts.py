@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,21 +12,21 @@ from ..._chain import chain_front
 from ..._core import Floats, SonopackError
 from ..._records import Front
 from ..._signal import front
+from ..._study import Store
+from ..._table import Table
 from ..sheet import Curve, Panel, Sheet
-from .rows import Mean, exact, mean_of, ratio, speed
-from .samples import SomfaiWork, member
+from .rows import Mean, exact, ratio, speed
+from .samples import SomfaiWork
 
-#: distances of boxes: ensembles with numbers of grains
-_BOXES = (("short", 100), ("low", 200), ("short", 400), ("square", 600), ("tall", 1200), ("tallest", 2400))
+#: ensembles of boxes, by their numbers of grains
+_BOXES = {100: "short", 200: "low", 400: "short", 600: "square", 1200: "tall", 2400: "tallest"}
 MARKS = ("t10", "t_peak", "t_zero")
 TIME_AXIS = "time |t|  [|d| (|ρ|/|E|*)^{1/2}]"
 
 
-@dataclasses.dataclass(frozen=True)
-class Distance:
+class Distance(NamedTuple):
     """Averages over the fronts of boxes of one height, or chains of one length. width = t_zero - t10."""
 
-    ensemble: str
     grains: int
     distance: float
     t10: Mean
@@ -36,25 +36,23 @@ class Distance:
     width: Mean
 
 
-def _distances(work: SomfaiWork, all_: Sequence[tuple[str, int]]) -> list[Distance]:
-    """Averages at p = 1e-4. Distances without fronts are left out."""
-    out = []
-    for ensemble, grains in all_:
-        some = work.some(ensemble, 1e-4, grains, "front")
-        if some:
-            means = [mean_of(map(member(f"front.{name}"), some)) for name in (*MARKS, "amplitude", "width")]
-            out.append(Distance(ensemble, grains, mean_of(sample.height for sample in some).mean, *means))
-    return out
+def scaling(work: SomfaiWork, *ensembles: str) -> Table | None:
+    """The fronts at p = 1e-4, as `sonopack table scaling' prints them; None without samples."""
+    some = [sample for ensemble in ensembles for sample in work.some(ensemble, 1e-4, parts="front")]
+    return Store(work.folder_of_store).table("scaling", samples=some) if some else None
+
+
+def _distances(table: Table | None) -> list[Distance]:
+    if table is None:
+        return []
+    columns = [[Mean(0, *each) for each in zip(table[name], table[name] * math.nan, table[f"{name}_err"])]
+               for name in (*MARKS, "amplitude", "width10")]
+    return [Distance(*row) for row in zip(table["grains"].tolist(), table["distance"].tolist(), *columns)]
 
 
 def boxes(work: SomfaiWork) -> list[Distance]:
     """Boxes of 100 to 2400 grains, the lowest first."""
-    return _distances(work, _BOXES)
-
-
-def chains(work: SomfaiWork, spread: str) -> list[Distance]:
-    """Chains of balls of unequal diameters 1 +- spread, the shortest first."""
-    return _distances(work, [(f"chain-{spread}", 25 << k) for k in range(6)])
+    return _distances(scaling(work, *dict.fromkeys(_BOXES.values())))
 
 
 def fitted(distances: Sequence[Distance], most: float) -> list[Distance]:
@@ -62,22 +60,20 @@ def fitted(distances: Sequence[Distance], most: float) -> list[Distance]:
     return [d for d in distances if 6 <= d.distance <= most]
 
 
-def line(x: Sequence[float], y: Sequence[Mean]) -> tuple[Mean, float]:
-    """Slope and intercept of the line of least squares, all weights equal; the error follows from those of the points.
-    NAN for fewer than two points."""
+def line(x: Sequence[float], y: Sequence[Mean]) -> Mean:
+    """Slope of the line of least squares, all weights equal; the error follows from those of the points. NAN for fewer than
+    two points."""
     if len(x) < 2:
-        return exact(math.nan), math.nan
-    values, errors = np.array([each.mean for each in y]), np.array([each.err for each in y])
+        return exact(math.nan)
     off = np.array(x) - np.mean(x)
-    slope = float(off @ values / (off @ off))
-    return (Mean(0, slope, math.nan, float(np.linalg.norm(off * errors) / (off @ off))),
-            float(np.mean(values) - slope * np.mean(x)))
+    off /= off @ off
+    return Mean(0, float(off @ [each.mean for each in y]), math.nan, float(np.linalg.norm(off * [each.err for each in y])))
 
 
 def power(x: Sequence[float], y: Sequence[Mean]) -> Mean:
     """The slope of ln y against ln x."""
     logarithms = [Mean(m.n, math.log(m.mean), math.nan, m.err / m.mean) for m in y]
-    return line([math.log(each) for each in x], logarithms)[0]
+    return line([math.log(each) for each in x], logarithms)
 
 
 # ---- signals --------------------------------------------------------------------------------------------------------
@@ -131,50 +127,20 @@ def rms_after(t: Floats, f: Floats, time: float) -> float:
 
 # ---- Fig. 6: arrival times against distance -------------------------------------------------------------------------
 
-SHAPES = ("^", "o", "s")
-LABELS = ("arrival (10% of the peak)", "peak", "zero crossing")
-#: lines through boxes up to L = 60, and through all
-FITS = (("50", 60.0), ("100", math.inf))
-
-
 def make_arrivals(work: SomfaiWork, item: str) -> None:
-    found = boxes(work)
-    lines = [line([d.distance for d in some], [d.t10 for d in some])
-             for some in (fitted(found, most) for _, most in FITS)]
-    for (name, _), (slope, _) in zip(FITS, lines):
-        work.state(f"slope-{name}", ratio(exact(1.0), slope))
+    table = scaling(work, *dict.fromkeys(_BOXES.values()))
+    found = _distances(table)
+    for name, most in (("50", 60.0), ("100", math.inf)):
+        some = fitted(found, most)
+        work.state(f"slope-{name}", ratio(exact(1.0), line([d.distance for d in some], [d.t10 for d in some])))
     for low, high in zip(found, found[1:]):
         work.say(item, f"Between L = {low.distance:.3g} and {high.distance:.3g} the arrival moves with "
                        f"{speed(high.distance - low.distance, low.t10, high.t10):.3f}.")
     work.say(item, "The paper does not say how tall its tallest boxes were; the speed falls with the distance, so that "
                    "the slope depends on that.")
-    if work.folder:
-        _draw_arrivals(work, item, found, lines)
-
-
-def _draw_arrivals(work: SomfaiWork, item: str, found: Sequence[Distance], lines: Sequence[tuple[Mean, float]]) -> None:
-    curves = [curve_of(_of(found, name), label=LABELS[k], ink=k + 1, dash=None, mark=SHAPES[k], open=True)
-              for k, name in enumerate(MARKS)]
-    for (name, most), (slope, start), dash in zip(FITS, lines, (0, 1)):
-        if math.isfinite(slope.mean):
-            x = np.array([0, 1.05 * fitted(found, most)[-1].distance])
-            label = f"slope 1/{1 / slope.mean:.3f}, |L| to {name}"
-            curves.append(Curve(x, start + slope.mean * x, label, dash=dash, width=0.7))
-    panel = Panel(curves, "distance |L| [|d|]", TIME_AXIS, x=(0, None), inset=_inset(work))
-    work.draw_sheet(item, "fig6", Sheet([panel], aspect=0.9))
-
-
-def _inset(work: SomfaiWork) -> Panel | None:
-    """The signal of the packing of Fig. 1 and its three marks."""
-    s = signals(work, "square", 180.0, 721)
-    own = front_of(s.t, s.single[0])
-    if own is None:
-        return None
-    curves = [Curve(s.t, s.single[0] / own.amplitude, width=0.7)]
-    curves += [Curve(np.array([getattr(own, name)]), np.array([height]), ink=k + 1, dash=None, mark=SHAPES[k],
-                     open=True)
-               for k, (name, height) in enumerate(zip(MARKS, (0.1, 1.0, 0.0)))]
-    return Panel(curves, "|t|  [|d| (|ρ|/|E|*)^{1/2}]", "|F|_{sig} / peak", x=(0, 180), zero=True)
+    if work.folder and table is not None:
+        work.draw(item, "fig6", "fronts", table, signal=next(work.walk("square", 1e-4, most=1))[1])
+        work.save_table("fig6", table)
 
 
 # ---- Table III and Fig. 7: exponents of amplitude and width ---------------------------------------------------------
@@ -190,7 +156,7 @@ def make_table3(work: SomfaiWork, item: str) -> None:
         work.state(f"gamma-{name}", exact(math.log2(half.amplitude / whole.amplitude)))
         work.state(f"alpha-{name}", exact(math.log2(whole.width / half.width)))
     for spread in SPREADS:
-        _fits(work, f"chain-{spread}", chains(work, spread))
+        _fits(work, f"chain-{spread}", _distances(scaling(work, f"chain-{spread}")))
     _fits(work, "boxes-50", fitted(heights, 60))
     _fits(work, "boxes-100", fitted(heights, math.inf))
     work.say(item, "Equal chains: slopes between half a million and a million balls. Unequal chains and packings: "
@@ -216,71 +182,44 @@ def _fits(work: SomfaiWork, name: str, distances: Sequence[Distance]) -> None:
 
 # ---- Fig. 7 ---------------------------------------------------------------------------------------------------------
 
-#: distances, and a value at each
-System = tuple[Sequence[float], Sequence[Mean]]
+def _equal() -> dict[str, Floats]:
+    """Chains of equal balls, exactly, with the columns of scaling()."""
+    balls = np.floor(np.geomspace(4, 1000, EXACT) + 0.5)
+    found = [chain_front(int(n)) for n in balls]
+    columns = {name: np.array([getattr(each, name) for each in found]) for name in ("t10", "amplitude", "width")}
+    gamma, alpha = (np.append(np.diff(np.log(columns[name])) / np.diff(np.log(balls)), math.nan)
+                    for name in ("amplitude", "width"))
+    return {"distance": balls, "t10": columns["t10"], "amplitude": columns["amplitude"], "width10": columns["width"],
+            "gamma": -gamma, "alpha": alpha}
 
 
-def _of(distances: Sequence[Distance], name: str) -> System:
-    return [d.distance for d in distances], [getattr(d, name) for d in distances]
-
-
-def _equal(name: str) -> System:
-    """Chains of equal balls, exactly."""
-    balls = np.floor(np.geomspace(4, 1000, EXACT) + 0.5).astype(int).tolist()
-    return balls, [exact(getattr(chain_front(n), name)) for n in balls]
-
-
-def _local(system: System, sign: int) -> System:
-    """Exponents between neighbouring distances, at their geometric means. sign: of the one that is positive."""
-    x, y = system
-    found = [power(x[k:k + 2], y[k:k + 2]) for k in range(len(x) - 1)]
-    return np.sqrt(np.array(x[:-1]) * x[1:]).tolist(), [m._replace(mean=sign * m.mean) for m in found]
-
-
-def curve_of(system: System, **words: Any) -> Curve:
-    """A curve with errors, unless its values are exact."""
-    x, y = system
-    err = np.array([m.err for m in y])
-    return Curve(np.array(x), np.array([m.mean for m in y]), error=err if err.any() else None, **words)
-
-
-_LOOKS: tuple[dict[str, Any], ...] = (
-    {"label": "2D packings", "mark": "o"}, {"label": "chain, equal balls", "dash": 1},
-    {"label": "chain, 1 ± 0.1", "mark": "s", "ink": 1, "open": True},
-    {"label": "chain, 1 ± 0.2", "mark": "^", "ink": 2, "open": True},
-    {"label": "chain, 1 ± 0.4", "mark": "D", "ink": 3, "open": True})
-_AXES = (("|A|/|A|_{1}", "|γ|_{eff} = −d log |A| / d log |L|"), ("|W|/|W|_{1}", "|α|_{eff} = d log |W| / d log |L|"))
-
-
-def _panel(k: int, systems: Sequence[System], exponents: Sequence[System]) -> Panel:
-    """(a) the height A of the first peak, (b) its width W. The first panel has the legend."""
-    main, small = [], []
-    for (x, y), local, look in zip(systems, exponents, _LOOKS):
-        first = y[0].mean if y else math.nan
-        over = [m._replace(mean=m.mean / first, err=m.err / first) for m in y]
-        main.append(curve_of(local, width=0.8, **{**look, "label": "" if k else look["label"]}))
-        small.append(curve_of((x, over), width=0.8, **{**look, "label": ""}))
-    inset = Panel(small, "|L| [|d|]", _AXES[k][0], log="xy")
-    return Panel(main, "distance |L| [|d|]", _AXES[k][1], tag=("(a)", "(b)")[k], log="x", x=(3, 1000), y=(0, None),
-                 inset=inset)
+def _over_first(system: Mapping[str, Floats]) -> Table:
+    """Amplitudes and widths over those of the shortest distance, and their local exponents."""
+    first = {"amplitude": system["amplitude"][0], "width10": system["width10"][0], "gamma": 1.0, "alpha": 1.0}
+    columns = {name: system[name] for name in ("distance", "t10")}
+    for name, by in first.items():
+        columns |= {name: system[name] / by, f"{name}_err": system.get(f"{name}_err", 0 * system[name]) / by}
+    return Table.from_columns(columns, {"distance": "d"})
 
 
 def make_scaling(work: SomfaiWork, item: str) -> None:
-    heights, unequal = boxes(work), [chains(work, spread) for spread in SPREADS]
-    panels, ends = [], []
-    for k, (name, sign) in enumerate((("amplitude", -1), ("width", 1))):
-        systems = [_of(heights, name), _equal(name), *(_of(each, name) for each in unequal)]
-        exponents = [_local(system, sign) for system in systems]
-        panels.append(_panel(k, systems, exponents))
-        ends.append(exponents[:2])
-    work.draw_sheet(item, "fig7", Sheet(panels, aspect=0.95))
-    ((x, a), (far, equal_a)), ((_, w), (_, equal_w)) = ends
-    if a:
-        work.say(item, f"In boxes 24 wide gamma goes from {a[0]:.2f} at L = {x[0]:.3g} to {a[-1]:.2f} at L = {x[-1]:.3g}, "
-                       f"alpha from {w[0]:.2f} to {w[-1]:.2f}.")
-    work.say(item, f"The equal chain is exact ({equal_a[-1].mean:.3f} and {equal_w[-1].mean:.3f} at L = {far[-1]:.0f}; "
-                   "2/3 and 1/3 far away). The paper does not say how wide its distributions of balls are; here "
-                   "diameters are uniform in 1 +- 0.1, 0.2 and 0.4.")
+    heights, equal = scaling(work, *dict.fromkeys(_BOXES.values())), _equal()
+    systems = {"2D packings": heights, "chain, equal balls": equal,
+               **{f"chain, ± {float(spread):.0%}": scaling(work, f"chain-{spread}") for spread in SPREADS}}
+    tables = {name: _over_first(each) for name, each in systems.items() if each is not None}
+    work.draw(item, "fig7", "scaling", *tables.values(), labels=list(tables))
+    columns = {name: np.concatenate([each[name] for each in tables.values()]) for name in tables["chain, equal balls"]}
+    work.save_table("fig7", Table.from_columns({
+        "system": np.repeat(list(tables), [each.rows for each in tables.values()]), **columns}, {"distance": "d"}))
+    if heights is not None and heights.rows > 1:
+        first, last = ({name: Mean(0, heights[name][k], math.nan, heights[f"{name}_err"][k]) for name in ("gamma", "alpha")}
+                       for k in (0, heights.rows - 2))
+        work.say(item, f"In boxes 24 wide gamma goes from {first['gamma']:.2f} at L = {heights['between'][0]:.3g} to "
+                       f"{last['gamma']:.2f} at L = {heights['between'][heights.rows - 2]:.3g}, alpha from "
+                       f"{first['alpha']:.2f} to {last['alpha']:.2f}.")
+    work.say(item, f"The equal chain is exact ({equal['gamma'][-2]:.3f} and {equal['alpha'][-2]:.3f} at L = "
+                   f"{math.sqrt(equal['distance'][-2] * equal['distance'][-1]):.0f}; 2/3 and 1/3 far away). The paper does "
+                   "not say how wide its distributions of balls are; here diameters are uniform in 1 +- 0.1, 0.2 and 0.4.")
 
 
 # ---- Fig. 4: signals ------------------------------------------------------------------------------------------------
@@ -331,7 +270,7 @@ def make_coherent(work: SomfaiWork, item: str) -> None:
     found = boxes(work)
     if len(found) > 1 and found[0].grains == 100:
         found = found[1:]  # its amplitude would dwarf the others
-    made = [signals(work, d.ensemble, 1.15 * d.t_zero.mean, 400, d.grains) for d in found]
+    made = [signals(work, _BOXES[d.grains], 1.15 * d.t_zero.mean, 400, d.grains) for d in found]
     peak = made[0].peak() if made else 1.0
     curves = []
     for k, (d, s) in enumerate(zip(found, made)):
