@@ -139,7 +139,9 @@ def test_arrivals_and_their_speed():
 
 
 def test_an_inset_and_the_legend_are_apart():
-    ax = plot.fronts(arrivals(), signal=pulse())
+    distance = np.array([4.4, 8.5, 16.6, 24.8, 49.2, 97])
+    times = dict(zip(("t10", "t_peak", "t_zero"), np.outer((1, 1.15, 1.26), 4.2 * distance)))
+    ax = plot.fronts(table({"distance": distance, **times}, {"distance": "d", "t10": TIME}), signal=pulse())
     inner, = ax.child_axes
     ax.figure.draw_without_rendering()
     box = ax.get_legend().get_window_extent()
