@@ -12,10 +12,10 @@ from ..._chain import chain_airy, chain_front, chain_signal
 from ..._core import Floats, call
 from ..._native import ffi, lib
 from ..._packing import TOP
-from ..._study import Store
+from ..._study import Sample, Store
 from ..sheet import Curve, Panel, Sheet
-from .rows import Mean, exact, mean_of, ratio
-from .samples import PRESSURES, SomfaiWork, member
+from .rows import Mean, exact, ratio
+from .samples import SomfaiWork
 
 NAMES = ("smooth", "friction")
 
@@ -87,24 +87,19 @@ class Speeds:
         return Mean(0, float(out[0]), math.nan, float(out[1]))
 
 
-def _front_speeds(work: SomfaiWork) -> Speeds:
-    both = work.sets["low"] + work.sets["square"]
-    if not both:
+def _speeds(work: SomfaiWork, table: str, name: str, samples: list[Sample]) -> Speeds:
+    """A column of a table of `sonopack table'."""
+    if not samples:
         return Speeds.of([])
-    table = Store(work.folder_of_store).table("ctof", samples=both)
-    p, c, err = (map(float, table[name]) for name in ("p", "c_tof", "c_tof_err"))
-    return Speeds.of(list(zip(p, c, err)))
-
-
-def _wave_speeds(work: SomfaiWork, name: str) -> Speeds:
-    means = [(p, mean_of(map(member(f"moduli.{name}"), work.some("square", p, parts="moduli")))) for p in PRESSURES]
-    return Speeds.of([(p, mean.mean, mean.err) for p, mean in means])
+    made = Store(work.folder_of_store).table(table, samples=samples)
+    return Speeds.of(list(zip(*(made[column].tolist() for column in ("p", name, f"{name}_err")))))
 
 
 # ---- rows -----------------------------------------------------------------------------------------------------------
 
 def make_speeds(work: SomfaiWork, item: str) -> None:
-    tof, fast, slow = _front_speeds(work), _wave_speeds(work, "c_l"), _wave_speeds(work, "c_t")
+    tof = _speeds(work, "ctof", "c_tof", work.sets["low"] + work.sets["square"])
+    fast, slow = (_speeds(work, "moduli", name, work.sets["square"]) for name in ("c_l", "c_t"))
     work.state("c_tof", tof.last())
     for name, speeds in (("c_tof", tof), ("c_l", fast), ("c_t", slow)):
         work.state(f"exponent-{name}", speeds.exponent())
