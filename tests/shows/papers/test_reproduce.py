@@ -108,7 +108,7 @@ def test_report(made):
 @pytest.mark.parametrize("name, columns, least", [
     ("fig1ab", "i j x_i y_i x_contact y_contact Fn kn", 500), ("fig1c", "x forces forces_err stiffnesses "
                                                                         "stiffnesses_err", 10),
-    ("fig3", "grain x y radius u_x u_y angle", 500),
+    ("fig3", "grain x y radius ux uy rz", 500),
     ("fig8", "panel curve label x y error lower upper", 30), ("fig12", "panel curve label x y error lower "
                                                                        "upper", 2000)])
 def test_numbers_of_figures(made, name, columns, least):

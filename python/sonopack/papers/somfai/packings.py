@@ -14,6 +14,8 @@ from ..._signal import Signal, front
 from ..._study import Sample
 from ..._table import Table
 from ...plot._histograms import ContactCounts, contact_counts
+from ...plot._inputs import Input
+from ...plot._motion import Motion, find_mode
 from ..sheet import Curve, Panel, Sheet
 from .fronts import TIME_AXIS, front_of, rms_after
 from .samples import SomfaiWork
@@ -87,20 +89,12 @@ def make_snapshot(work: SomfaiWork, item: str) -> None:
     _, packing, network = next(work.walk("square", 1e-4, most=1))
     u = network.field([TIME])[0]
     work.draw(item, "fig3", "snapshot", network, u, time=TIME)
-    work.save_table("fig3", _field_table(packing, network, u))
+    work.save_table("fig3", Motion(network, u, False, t=TIME).table())
     y = packing.x[network.grain, 1]
     quarter = np.clip(np.floor(4 * y / packing.height), 0, 3)
     rms = [math.sqrt(float(np.sum(u[quarter == k, 1] ** 2)) / max(1, int(np.sum(quarter == k)))) for k in range(4)]
     work.say(item, "Root mean square displacements up and down in the four quarters of the height, from the bottom, "
                    f"over that of the lowest: 1, {rms[1] / rms[0]:.2f}, {rms[2] / rms[0]:.2f}, {rms[3] / rms[0]:.2f}.")
-
-
-def _field_table(packing: Packing, network: Network, u: Floats) -> Table:
-    grain = network.grain
-    return Table.from_columns({
-        "grain": grain.astype(float), "x": packing.x[grain, 0], "y": packing.x[grain, 1], "radius": packing.r[grain],
-        "u_x": u[:, 0], "u_y": u[:, 1], "angle": u[:, 2] if network.dof > 2 else np.zeros(len(grain))},
-        metadata={"t": f"{TIME:g}"})
 
 
 # ---- Figs. 9 and 10: modes ------------------------------------------------------------------------------------------
@@ -112,12 +106,12 @@ _SQUARE = "|ω|^{2}  [|E|*/(|ρ d|^{2})]"
 
 
 def make_modes(work: SomfaiWork, item: str) -> None:
-    sample, packing, network = next(work.walk("square", 1e-4, most=1))
+    sample, _, network = next(work.walk("square", 1e-4, most=1))
     modes = network.modes(vectors=True, solver="dense")
     if item == "fig9":
         _spectrum(work, item, sample, network, modes, _picked(modes))
     else:
-        _six(work, item, packing, network, modes, _picked(modes))
+        _six(work, item, modes, _picked(modes))
 
 
 def _picked(m: Modes) -> list[int]:
@@ -177,32 +171,18 @@ def _bodies(work: SomfaiWork, item: str, sample: Sample, network: Network) -> tu
 
 # ---- Fig. 10 --------------------------------------------------------------------------------------------------------
 
-def _six(work: SomfaiWork, item: str, packing: Packing, network: Network, m: Modes, picked: list[int]) -> None:
+def _six(work: SomfaiWork, item: str, m: Modes, picked: list[int]) -> None:
     for letter, why, n in zip("abcdef", _WHY, picked):
         work.draw(item, f"fig10{letter}", "mode", m, mode=n,
                   caption=f"({letter}) Mode n = {n}, omega = {m.omega[n]:.4f}, participation ratio "
                           f"{m.participation[n]:.3f}: {why}.")
-    work.save_table("fig10", _displacements(packing, network, m, picked))
+        work.save_table(f"fig10{letter}", find_mode([Input(m)], n, None).table())
     weight = np.abs(m.ab[m.n_zero:])
     part = [float(m.participation[n]) for n in picked]
     work.say(item, f"The seven lowest modes above zero carry {100 * weight[:7].sum() / weight.sum():.1f}% of the sum "
                    f"of |a_n b_n|. Participation ratios: {part[0]:.2f} and {part[1]:.2f} for the two lowest, "
                    f"{part[2]:.2f}, {part[3]:.2f} and {part[4]:.2f} for those that carry the signal, {part[5]:.3f} for "
                    "the localised one.")
-
-
-def _displacements(packing: Packing, network: Network, m: Modes, picked: list[int]) -> Table:
-    """Displacements of the modes for every grain that is not a rattler."""
-    rows, places = [], packing.x[network.grain]
-    for n in picked:
-        u = np.zeros((network.n, 3))
-        u[:, :min(network.dof, 3)] = m.displacement(n)[:, :3]
-        head = np.tile([float(n), float(m.omega[n])], (network.n, 1))
-        rows.append(np.column_stack([head, network.grain, places[:, :2], u]))
-    names = ("mode", "omega", "grain", "x", "y", "u_x", "u_y", "angle")
-    table = Table.from_columns(dict(zip(names, np.concatenate(rows).T)))
-    table.add_comment("eigenmodes M^(-1/2) e, e of length 1")
-    return table
 
 
 # ---- Fig. 11: damping -----------------------------------------------------------------------------------------------
