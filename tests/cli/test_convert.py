@@ -63,10 +63,7 @@ def ways():
     pathlib.Path("c.tsv").write_text(CONTACTS)
     tables = ["--grains", "g.tsv", "--contacts", "c.tsv"]
     convert("new.txt", *tables)  # one packing that is not there: made
-    header, grains, contacts = numbers("new.txt")
-    assert header["p"] == 1e-4 and header["nu"] == 0 and grains[2][0] == 5, "header, wrapped position"
-    assert contacts[2][:4] == (1, 2, -0.6, -0.8) and contacts[2][6] == -1e-4, "turned contact"
-    assert abs(contacts[1][5] / (4 / 3 * 0.5 * 0.25**0.5 * 0.1**1.5) - 1) < 1e-14, "Hertz' law fills in Fn"
+    assert numbers("new.txt")[0]["p"] == 1e-4  # what the rows become: tests/shows/formats/test_pair.py
     for words in (["-o", "o.txt", *tables], ["g.tsv", "o.txt", "--contacts", "c.tsv"], ["-", "o.txt", *tables]):
         convert(*words)
         assert read("o.txt") == read("new.txt"), words
