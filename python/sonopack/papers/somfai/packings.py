@@ -142,12 +142,10 @@ def _spectrum(work: SomfaiWork, item: str, sample: Sample, network: Network, m: 
 
     inset = Panel([Curve(numbers[lowest], squares[lowest], dash=None, mark="s", open=True), circles(squares, 2),
                    Curve(*bodies, ink=1, dash=None, mark="D")], "|n|", _SQUARE, y=(0, None))
-    panels = [Panel([Curve(numbers, squares), circles(squares)], "mode |n|", "|ω|_{|n|}^{2}  [|E|*/(|ρ "
-                                                                             "d|^{2})]", tag="(a)",
-                    x=(0, m.n), y=(0, None), inset=inset),
-              Panel([Curve(numbers, weights, width=0.5), circles(weights)], "mode |n|", "|a|_{|n|} |b|_{|n|}  [|E|* "
-                                                                                        "|d|^{2}]",
-                    tag="(b)", x=(0, m.n), zero=True)]
+    panels = [Panel([Curve(numbers, squares), circles(squares)], "mode |n|", "|ω|_{|n|}^{2}  [|E|*/(|ρ d|^{2})]",
+                    tag="(a)", x=(0, m.n), y=(0, None), inset=inset),
+              Panel([Curve(numbers, weights, width=0.5), circles(weights)], "mode |n|",
+                    "|a|_{|n|} |b|_{|n|}  [|E|* |d|^{2}]", tag="(b)", x=(0, m.n), zero=True)]
     work.draw_sheet(item, "fig9", Sheet(panels))
     rattlers = m.n_rattler // 3
     work.say(item, f"{m.n_zero} of {m.n} modes have frequency zero, three for each of {rattlers} rattlers; the paper's "
