@@ -134,8 +134,8 @@ class Coda(_fields.Coda):
                  detectors: Where | Iterable[Where] | None = None, source: str = "impulse", threads: int = 1) -> None:
         self.t: Floats = _core.row(t, "t")
         self.network = network
-        count, self._from = _place.several(sources)
-        count_to, self._to = _place.several(detectors)
+        count, self._from = _place.several(sources, True)
+        count_to, self._to = _place.several(detectors, False)
         self._options = ffi.new("sp_coda_options *", {"sources": count, "detectors": count_to, "from": self._from,
                                                       "to": self._to, "times": len(self.t), "threads": threads,
                                                       "t": _core.pointer_to(self.t, "const double *")})

@@ -170,14 +170,14 @@ class Network(_fields.Network):
         """The source vector [n][dof]."""
         out = np.empty((self.n, self.dof))
         number = _core.number_of("sp_source", kind, "source")
-        call(lib.sp_network_source_at, self._c, number, _place.one(at), _core.pointer_to(out))
+        call(lib.sp_network_source_at, self._c, number, _place.one(at, True), _core.pointer_to(out))
         return out
 
     @documented("sp_network_source_at")
     def detector(self, at: Where = _place.Place()) -> Floats:
         """The detector row [n][dof]: the force on it is (row * u).sum()."""
         out = np.empty((self.n, self.dof))
-        call(lib.sp_network_detector_at, self._c, _place.one(at), _core.pointer_to(out))
+        call(lib.sp_network_detector_at, self._c, _place.one(at, False), _core.pointer_to(out))
         return out
 
     # ---- modes ------------------------------------------------------------------------------------------------------
@@ -248,7 +248,7 @@ class Network(_fields.Network):
         [times]."""
         t = _core.row(times, "times")
         out = np.empty((len(t), self.n, self.dof))
-        place = ffi.NULL if at is None else _place.one(at)
+        place = ffi.NULL if at is None else _place.one(at, True)
         spec = ffi.new("sp_field_options *", {"from": place, "times": len(t), "t": _core.pointer_to(t, "const double *"),
                                               "threads": threads})
         _core.set_fields(spec, {"source": source})

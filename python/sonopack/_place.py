@@ -61,11 +61,12 @@ class Place:
         return cls("plane", shear, height=height)
 
     @classmethod
-    def parse(cls, text: str) -> Place:
-        """A place as the command writes it: top, bottom, part:X0:X1, disc:X:Y:D, grain:I, plane:Y, with :shear or :normal."""
+    def parse(cls, text: str, source: bool | None = None) -> Place:
+        """A place as the command writes it: top, bottom, part:X0:X1, disc:X:Y:D, grain:I, plane:Y, with :shear or :normal.
+        source: whether it is that of a source, to which the top is refused, or of a detector; None: either."""
         out = ffi.new("sp_place *")
         try:
-            _core.call(lib.sp_place_read, text.encode(), text.startswith("bottom"), out, ffi.NULL)
+            _core.call(lib.sp_place_read, text.encode(), text.startswith(("bottom", "inner")) if source is None else source, out, ffi.NULL)
         except _core.InvalidInput as error:
             raise _core.invalid("place", str(error)) from None
         kind = _core.words("sp_place_kind")[out.kind]
@@ -83,15 +84,15 @@ class Place:
 Where = Place | str
 
 
-def place(where: Where) -> Place:
+def place(where: Where, source: bool) -> Place:
     if not isinstance(where, (str, Place)):
         raise _core.invalid("place", f"{where!r}: must be a Place or a text such as plane:5")
-    return Place.parse(where) if isinstance(where, str) else where
+    return Place.parse(where, source) if isinstance(where, str) else where
 
 
-def one(where: Where) -> Any:
+def one(where: Where, source: bool) -> Any:
     struct = ffi.new("sp_place *")
-    place(where)._write(struct)
+    place(where, source)._write(struct)
     return struct
 
 
@@ -101,15 +102,15 @@ def options_of(c_name: str, values: Mapping[str, Any]) -> Any:
     options = _core.options_of(c_name, own)
     for name, field in (("at", "from"), ("detector", "to")):
         if values.get(name) is not None:
-            setattr(options, field, one(values[name])[0])
+            setattr(options, field, one(values[name], name == "at")[0])
     return options
 
 
-def several(where: Where | Iterable[Where] | None) -> tuple[int, Any]:
+def several(where: Where | Iterable[Where] | None, source: bool) -> tuple[int, Any]:
     """Number of places and their array; 0 and NULL for the whole wall."""
     if where is None:
         return 0, ffi.NULL
-    places: Sequence[Place] = [place(where)] if isinstance(where, (str, Place)) else [place(each) for each in where]
+    places: Sequence[Place] = [place(each, source) for each in ([where] if isinstance(where, (str, Place)) else where)]
     array = ffi.new("sp_place[]", len(places))
     for k, each in enumerate(places):
         each._write(array[k])

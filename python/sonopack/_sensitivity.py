@@ -73,7 +73,7 @@ def _gradient() -> Any:
 def _options(network: Network, parameters: int, values: Mapping[str, Any]) -> tuple[Any, list[Any]]:
     """Options of a source and a detector, and what they point to."""
     own = {name: value for name, value in values.items() if name not in ("at", "detector", "pulse")}
-    kept = {field: _place.one(values[name]) for name, field in (("at", "from"), ("detector", "to"))
+    kept = {field: _place.one(values[name], name == "at") for name, field in (("at", "from"), ("detector", "to"))
             if values[name] is not None}
     if values.get("pulse") is not None:
         kept["pulse"] = values["pulse"]._c

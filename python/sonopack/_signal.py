@@ -92,8 +92,8 @@ class Signal(_core.Drawn, _fields.Signal):
         self._height, self._pressure = network.packing.height, network.packing.pressure
         self._c = _core.new("sp_signal", lib.sp_signal_free, lib.sp_signal_none)
         pulse, values["front"] = values.pop("pulse"), values.pop("stop_at_front")
-        count, start = _place.several(values.pop("sources"))
-        count_to, end = _place.several(values.pop("detectors"))
+        count, start = _place.several(values.pop("sources"), True)
+        count_to, end = _place.several(values.pop("detectors"), False)
         usual = lib.sp_signal_options_default().tolerance
         if values["method"] == "dynamics" and values["tolerance"] is None:
             values["tolerance"] = max(usual, DYNAMICS_TOLERANCE)

@@ -3,6 +3,7 @@ import dataclasses
 import os
 import pathlib
 import pickle
+from functools import partial
 
 import numpy as np
 from common import SOURCE, raised
@@ -88,6 +89,9 @@ def test_options():
     network = sonopack.Packing.read(TEXT).network()
     fails(Status.EINVAL, "method", network.signal, method="magic")
     fails(Status.EINVAL, "place", network.signal, detectors="plane")
+    for call in network.source, network.transmission, partial(network.field, [1.0]), partial(network.harmonic, [0.1]):
+        fails(Status.EINVAL, "place", call, at="top")
+    fails(Status.EINVAL, "place", network.signal, sources="top")
     assert "must be -2147483648 .. 2147483647" in str(fails(Status.EINVAL, "points", network.signal, points=2**40))
     assert "must be -1.79" in str(fails(Status.EINVAL, "until", network.signal, until=10**400))
     for drawn in (network.packing, sonopack.Table.from_columns({"t": [0.0, 1.0]})):
