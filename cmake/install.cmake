@@ -11,8 +11,8 @@ install(DIRECTORY include/sonopack DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES
 set(man_page ${PROJECT_BINARY_DIR}/sonopack.1)
 set(man_page_sources ${PROJECT_SOURCE_DIR}/cmake/man.sh ${PROJECT_SOURCE_DIR}/docs/man/sonopack.1.in)
 add_custom_command(OUTPUT ${man_page}
-  COMMAND sh ${PROJECT_SOURCE_DIR}/cmake/man.sh $<TARGET_FILE:sonopack_command> ${PROJECT_SOURCE_DIR}/docs/man/sonopack.1.in
-    > ${man_page}
+  COMMAND sh ${PROJECT_SOURCE_DIR}/cmake/man.sh ${PROJECT_SOURCE_DIR}/docs/man/sonopack.1.in
+    ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:sonopack_command> > ${man_page}
   DEPENDS sonopack_command $<$<TARGET_EXISTS:sonopack_python>:sonopack_python> ${man_page_sources} VERBATIM)
 install(FILES ${man_page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 set(completions ${PROJECT_BINARY_DIR}/completions)

@@ -493,7 +493,7 @@ def test_contacts_that_cannot_be(write):
     one, two = (read(path, **words, contacts=write("c.dump", text)) for text in (good, good.replace("1 2 ", "2 1 ")))
     assert one.hash == two.hash, "the order of a pair does not matter"
     refused("id1 c_1[1] columns", path, contacts=write("c.dump", good), digits="exact", wall="rigid")
-    last = repr(force[1])
+    last = str(force[1])
     for text, names in ((good.replace("2 3 ", "2 9 "), "c.dump:7 9 id"), (good.replace("2 3 ", "2 2 "), "c.dump:7 2"),
                         (good.replace("2 3 ", "2 1 "), "c.dump:7 line 6"), (good.replace(last, "-1e-7"), "c.dump:7 attraction"),
                         (good.replace(last, "inf"), "c.dump:7 c_2[1] inf"), (good.replace("TIMESTEP\n7", "TIMESTEP\n8"), "c.dump 7"),
