@@ -11,8 +11,8 @@ install(DIRECTORY include/sonopack DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES
 set(man_page ${PROJECT_BINARY_DIR}/sonopack.1)
 set(man_page_sources ${PROJECT_SOURCE_DIR}/cmake/man.sh ${PROJECT_SOURCE_DIR}/docs/man/sonopack.1.in)
 add_custom_command(OUTPUT ${man_page}
-  COMMAND sh ${PROJECT_SOURCE_DIR}/cmake/man.sh $<TARGET_FILE:sonopack_command> ${PROJECT_SOURCE_DIR}/docs/man/sonopack.1.in
-    > ${man_page}
+  COMMAND sh ${PROJECT_SOURCE_DIR}/cmake/man.sh ${PROJECT_SOURCE_DIR}/docs/man/sonopack.1.in
+    ${CMAKE_CROSSCOMPILING_EMULATOR} $<TARGET_FILE:sonopack_command> > ${man_page}
   DEPENDS sonopack_command $<$<TARGET_EXISTS:sonopack_python>:sonopack_python> ${man_page_sources} VERBATIM)
 install(FILES ${man_page} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1)
 set(completions ${PROJECT_BINARY_DIR}/completions)
@@ -45,6 +45,10 @@ set_target_properties(${components} PROPERTIES INSTALL_RPATH "$ORIGIN")
 
 set(cmake_folder ${CMAKE_INSTALL_LIBDIR}/cmake/sonopack)
 set(HDF5_PKGCONFIG ${HDF5_MODULE_NAME})
+set(hdf5_lib "")
+if(NOT HDF5_PKGCONFIG)
+  set(hdf5_lib "-lhdf5 ")
+endif()
 install(EXPORT sonopackTargets NAMESPACE sonopack:: DESTINATION ${cmake_folder})
 configure_package_config_file(cmake/sonopackConfig.cmake.in ${PROJECT_BINARY_DIR}/sonopackConfig.cmake
   INSTALL_DESTINATION ${cmake_folder})
@@ -75,4 +79,4 @@ endfunction()
 install_pkgconfig(sonopack sonopack "${PROJECT_DESCRIPTION}" "" "lapacke lapack blas arpack" "-lcholmod -pthread -lm")
 install_pkgconfig(sonopack-tapped sonopack_tapped "The tapped column of particles" "sonopack = ${PROJECT_VERSION}" "" "-lm")
 install_pkgconfig(sonopack-study sonopack_study "Scenes, studies and files of granular packings"
-  "sonopack-tapped = ${PROJECT_VERSION}" "libconfig ${HDF5_MODULE_NAME}" "-pthread -lm")
+  "sonopack-tapped = ${PROJECT_VERSION}" "libconfig ${HDF5_PKGCONFIG}" "${hdf5_lib}-pthread -lm")

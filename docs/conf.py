@@ -1,5 +1,6 @@
 """The pages as a site: `./run docs` builds it in build/docs. What the program can print is printed into pages of the
-reference; the C headers become pages where doxygen is there."""
+reference, and so are the comments of the C headers, by doxygen."""
+import itertools
 import os
 import pathlib
 import re
@@ -16,7 +17,7 @@ import layouts
 
 project = "sonopack"
 author = copyright = "the sonopack authors"
-extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax"]
+extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.mathjax", "breathe"]
 exclude_patterns = ["studies/results"]
 root_doc = "index"
 myst_enable_extensions = ["dollarmath", "amsmath"]
@@ -26,14 +27,19 @@ html_theme = "furo"
 html_title = "sonopack"
 html_show_copyright = False
 html_show_sphinx = False
-# formulas are drawn by KaTeX from the site's own files
-KATEX = "/usr/share/javascript/katex"
-mathjax_path = "site.js"
-html_static_path = [KATEX, "site.js"]
-html_css_files = ["katex.min.css"]
-html_js_files = ["katex.min.js", "contrib/auto-render.js"]
+# formulas are drawn by KaTeX from the site's own files; where it is not installed, by MathJax from elsewhere
+KATEX = pathlib.Path("/usr/share/javascript/katex")
+if KATEX.is_dir():
+    mathjax_path = "site.js"
+    html_static_path = [str(KATEX), "site.js"]
+    html_css_files = ["katex.min.css"]
+    html_js_files = ["katex.min.js", "contrib/auto-render.js"]
 autodoc_member_order = "groupwise"
 autodoc_typehints = "none"
+breathe_projects = {"sonopack": str(PRINTED / "xml")}
+breathe_default_project = "sonopack"
+breathe_domain_by_extension = {"h": "c"}
+breathe_show_enumvalue_initializer = True
 
 
 def command(*words):
@@ -55,9 +61,21 @@ def print_pages(app):
     pages["layouts"] = layouts.page(BUILD / "sonopack")
     for name, text in pages.items():
         (PRINTED / f"{name}.md").write_text(text)
-    if shutil.which("doxygen"):
-        subprocess.run(["cmake", "--build", BUILD, "--target", "reference"], check=True, stdout=subprocess.DEVNULL)
-        shutil.copytree(BUILD / "reference/html", pathlib.Path(app.outdir) / "c", dirs_exist_ok=True)
+    print_headers()
+
+
+def print_headers():
+    """A page of each public header."""
+    subprocess.run(["doxygen", "docs/api/Doxyfile"], check=True, cwd=HERE.parent)
+    numbers = itertools.count()  # for nameless enums: doxygen 1.9.4 makes them, 1.9.8 does not, Sphinx wants them
+    for file in (PRINTED / "xml").glob("*_8h.xml"):
+        file.write_text(re.sub("<name></name>", lambda _: f"<name>@{next(numbers)}</name>", file.read_text()))
+    include = HERE.parent / "include/sonopack"
+    for header in include.rglob("*.h"):
+        name = str(header.relative_to(include))
+        page = PRINTED / f"c-{name.replace('/', '-')}.md"
+        if name != "visibility.h":
+            page.write_text(f"# sonopack/{name}\n\n```{{doxygenfile}} {name}\n```\n")
 
 
 def plain(app, what, name, obj, options, lines):

@@ -1,3 +1,5 @@
+from spack_repo.builtin.build_systems.cmake import CMakePackage
+
 from spack.package import *
 
 
@@ -10,7 +12,7 @@ class Sonopack(CMakePackage):
     variant("mpi", default=False, description="Studies by mpirun")
 
     depends_on("c", type="build")
-    depends_on("ninja", type="build")
+    depends_on("cmake@3.25:", type="build")
     depends_on("pkgconfig", type="build")
     depends_on("suite-sparse")
     depends_on("arpack-ng")
@@ -20,10 +22,13 @@ class Sonopack(CMakePackage):
     depends_on("libconfig")
     depends_on("random123")
     depends_on("mpi", when="+mpi")
-    depends_on("python@3.10:", type=("build", "run"))
+    extends("python@3.10:")
     for module in ("cffi", "numpy", "scipy", "pandas", "matplotlib", "h5py"):
         depends_on(f"py-{module}", type=("build", "run"))
 
     def cmake_args(self):
+        python = self.spec["python"]
         return [self.define("SONOPACK_TESTS", False), self.define("SONOPACK_OWN_HDF5", False),
+                self.define("SONOPACK_PYTHON", True), self.define("SONOPACK_PYTHON_COMMAND", python.command.path),
+                self.define("SONOPACK_PYTHON_DIR", f"lib/python{python.version.up_to(2)}/site-packages"),
                 self.define_from_variant("SONOPACK_MPI", "mpi")]

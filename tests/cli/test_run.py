@@ -1,4 +1,4 @@
-"""./run with stand-ins for apt-get, sudo, cmake and the command: what it installs, builds, runs and prints.
+"""./run with stand-ins for apt-get, dnf, sudo, cmake and the command: what it installs, builds, runs and prints.
 
 usage: test_run.py COMMAND SOURCE_DIR
 """
@@ -20,6 +20,10 @@ exit 1""",
     "apt-get": """echo "apt-get $*" >>"$HERE/log"
 if [ "$1" = "${APT_FAILS:-none}" ]; then exit 100; fi
 if [ "$1" = install ]; then for package; do echo "$package" >>"$HERE/installed"; done; fi""",
+    "rpm": 'for package; do :; done; exec dpkg-query "$package" >/dev/null',
+    "dnf": 'echo "dnf $*" >>"$HERE/log"; for package; do echo "$package" >>"$HERE/installed"; done',
+    "cpack": ":",
+    "sphinx-build": ":",
     "sudo": 'echo sudo >>"$HERE/log"; exec "$@"',
     "ctest": 'echo "ctest $*" >>"$HERE/log"; echo "100% tests passed, 0 tests failed out of 7"',
     "cmake": """echo "cmake $*" >>"$HERE/log"
@@ -50,7 +54,7 @@ exit 0
 class Checkout:
     """A folder with ./run and nothing else real in it, and a PATH of stand-ins."""
 
-    def __init__(self, folder, installed):
+    def __init__(self, folder, installed, system="ID=debian"):
         self.here = pathlib.Path(folder)
         self.tree, self.bin = self.here / "a checkout", self.here / "bin"
         self.tree.mkdir()
@@ -65,12 +69,14 @@ class Checkout:
             (self.bin / name).chmod(0o755)
         (self.here / "installed").write_text("\n".join(installed) + "\n")
         (self.here / "command").write_text(COMMAND)
+        (self.here / "os-release").write_text(system + "\n")
 
     def run(self, *words, status=0, script="run", **variables):
         """(the process, what it called)"""
         (self.here / "log").write_text("")
+        here = {"PATH": str(self.bin), "HERE": str(self.here), "OS_RELEASE": str(self.here / "os-release")}
         done = subprocess.run([self.bin / "bash", self.tree / script, *words], text=True, capture_output=True, cwd=self.here,
-                              stdin=subprocess.DEVNULL, env={"PATH": str(self.bin), "HERE": str(self.here), **variables})
+                              stdin=subprocess.DEVNULL, env={**here, **variables})
         log = (self.here / "log").read_text().splitlines()
         assert done.returncode == status, (words, done, log)
         return done, log
@@ -100,6 +106,8 @@ def bare_machine(folder):
     assert any(line.startswith("cmake --preset release") for line in log), log
     assert any(line.startswith("cmake --build build/release") and "3" in line for line in log), log
     assert not any("apt-get" in line for line in box.run("build")[1]), "a second time"
+    for word in ("docs", "deb"):
+        assert any("-DSONOPACK_TESTS=OFF" in line for line in box.run(word)[1]), "what tests need is not installed"
 
 
 def failures(folder):
@@ -115,6 +123,25 @@ def failures(folder):
     (box.bin / "sudo").unlink()
     done, log = box.run("build", status=1, FAKE_UID="1000")
     assert not log and "apt-get" in done.stderr, log
+
+
+def other_systems(folder):
+    for system, hdf5, apt in (("ID=ubuntu\nID_LIKE=debian", "libhdf5-dev", True),
+                              ("ID=mint\nID_LIKE='ubuntu debian'", "libhdf5-dev", True), ("ID=fedora", "hdf5-devel", False)):
+        place = pathlib.Path(folder, system.split()[0])
+        place.mkdir()
+        box = Checkout(place, ["gcc"], system)
+        log = box.run("test")[1]
+        install = next(line for line in log if " install " in line)
+        assert hdf5 in install.split() and "gcc" not in install.split() and "  " not in install, log
+        assert log[0].startswith("apt-get update") == apt != install.startswith("dnf"), log
+        assert not any("install" in line for line in box.run("test")[1]), "a second time"
+        assert apt or not any(word.endswith("-dev") for word in install.split()), "Debian's names"
+        assert ("chromium" in " ".join(box.run("test-foreign")[1]).split()) != apt, system
+
+
+def unknown_system(folder):
+    assert not any("install" in line for line in Checkout(folder, [], "ID=plan9").run("build")[1])
 
 
 def main_job(folder):
@@ -158,7 +185,7 @@ def tests(folder):
     assert log[-1].startswith("ctest --test-dir build/release") and log[-1].split()[-1] == "long|foreign", log
 
 
-for test in (usage, bare_machine, failures, main_job, moved_checkout, tests):
+for test in (usage, bare_machine, failures, other_systems, unknown_system, main_job, moved_checkout, tests):
     with tempfile.TemporaryDirectory(prefix="sonopack-run-") as scratch:
         test(scratch)
     print(test.__name__, "ok")

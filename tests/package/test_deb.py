@@ -45,9 +45,7 @@ def check_control(deb):
     expect(f'"{fields["Version"]}"' in header, f"version {fields['Version']} is not that of version.h")
     needs = {name.split()[0] for name in fields["Depends"].split(", ")}
     # what the command is linked with, and what it loads at the first call
-    for name in ("libc6", "libconfig9", "libcholmod3", "liblapacke", "libarpack2"):
-        expect(name in needs, f"{name} is not among {needs}")
-    for part in ("hdf5", "openblas"):
+    for part in ("libc6", "libconfig", "libcholmod", "liblapacke", "libarpack2", "hdf5", "openblas"):
         expect(any(part in name for name in needs), f"no {part} among {needs}")
 
 

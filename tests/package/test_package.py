@@ -144,6 +144,17 @@ def check_page(prefix, scratch):
     expect("sonopack-data" in (scratch / "chain.html").read_text(), "the installed command writes an empty page")
 
 
+def check_without_pkg_config_of_hdf5(scratch):
+    """Fedora's HDF5 has no pkg-config file: its consumers are told its plain name."""
+    program = scratch / "pkg-config"
+    program.write_text("#!/bin/sh\ncase $* in *hdf5*) exit 1 ;; esac\nexec pkg-config \"$@\"\n")
+    program.chmod(0o755)
+    run(CMAKE, "-S", SOURCE, "-B", scratch / "plain", f"-DPKG_CONFIG_EXECUTABLE={program}", f"-DCMAKE_C_COMPILER={CC}",
+        "-DHDF5_INCLUDE_DIR=/", "-DHDF5_LIBRARY=/", "-DSONOPACK_PYTHON=OFF", "-DSONOPACK_TESTS=OFF", env=BUILDER)
+    module = (scratch / "plain/sonopack-study.pc").read_text()
+    expect(re.search("^Libs:.* -lhdf5", module, re.M) and not re.search("^Requires:.*hdf5", module, re.M), module)
+
+
 def main():
     with tempfile.TemporaryDirectory(prefix="sonopack-package-") as folder:
         scratch = pathlib.Path(folder)
@@ -165,6 +176,7 @@ def main():
         check_header_alone(prefix)
         check_headers_in_cplusplus(prefix)
         check_manual(prefix)
+        check_without_pkg_config_of_hdf5(scratch)
 
 
 if __name__ == "__main__":

@@ -82,7 +82,7 @@ def _compute(a: argparse.Namespace, net: Network) -> Table:
     told |= ({"dimension": 3} if net.dim == 3 else {}) | ({"cell": net.cell} if net.cell != "piston" else {})
     told |= {"height": net.box[-1], "pressure": net.pressure, "error": error, "tolerance": o.tolerance,
              "until": o.until, "omega_max": net.omega, "products": terms - 1,
-             "engine": f"petsc, {net.comm.size} ranks", "F": f"from {ends[0]} to {ends[1]}, error {error!r}"}
+             "engine": f"petsc, {net.comm.size} ranks", "F": f"from {ends[0]} to {ends[1]}, error {error}"}
     return Table.from_columns({"t": t, "F": force}, _UNITS, told)
 
 

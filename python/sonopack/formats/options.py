@@ -92,7 +92,7 @@ def read_keys(texts: Iterable[str]) -> dict[str, Any]:
 
 def keys_of(values: Mapping[str, Any]) -> dict[str, Any]:
     """Keys from Python's values."""
-    return {name: read_key(name, value if isinstance(value, str) else repr(value)) for name, value in values.items()}
+    return {name: read_key(name, str(value)) for name, value in values.items()}
 
 
 # ---- columns --------------------------------------------------------------------------------------------------------

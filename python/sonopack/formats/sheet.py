@@ -301,7 +301,7 @@ class Sheet:
         most = 0
         for cells in self._sample():
             for cell in (cells[column] for column in columns if column < len(cells)):
-                most = max(most, len(re.split("[eE]", cell.lstrip("+-"), 1)[0].replace(".", "").lstrip("0")))
+                most = max(most, len(re.split("[eE]", cell.lstrip("+-"), maxsplit=1)[0].replace(".", "").lstrip("0")))
         return most
 
     def _sample(self) -> Iterator[list[str]]:

@@ -211,7 +211,7 @@ def _written(traces: Sequence[Trace]) -> Table:
             raise Failed(f"{trace.name}: has other times than {first.name}, must have the same to be written beside it")
     names = ["F"] if len(traces) == 1 else [f"F{k + 1}" for k in range(len(traces))]
     said = {name if len(names) > 1 else "F1":
-            (f"from bottom to plane:{trace.distance!r}, " if trace.distance == trace.distance else "")
+            (f"from bottom to plane:{trace.distance}, " if trace.distance == trace.distance else "")
             + f"{trace.channel} of {os.path.basename(trace.file)}" for name, trace in zip(names, traces)}
     return Table.from_columns({"t": first.t, **{name: trace.f for name, trace in zip(names, traces)}},
                               {"t": first.t_unit, **{name: trace.f_unit for name, trace in zip(names, traces)}}, said)

@@ -229,20 +229,25 @@ static herr_t truncate_draft(H5FD_t *file, hid_t dxpl, hbool_t closing) {
     return 0;
 }
 
-static const H5FD_class_t driver = {.name = "sonopack",
-                                    .maxaddr = farthest,
-                                    .fc_degree = H5F_CLOSE_STRONG,
-                                    .fapl_size = sizeof(target),
-                                    .open = open_draft,
-                                    .close = close_draft,
-                                    .query = features,
-                                    .get_eoa = get_end,
-                                    .set_eoa = set_end,
-                                    .get_eof = get_used,
-                                    .read = read_draft,
-                                    .write = write_draft,
-                                    .truncate = truncate_draft,
-                                    .fl_map = H5FD_FLMAP_DICHOTOMY};
+static const H5FD_class_t driver = {
+#ifdef H5FD_CLASS_VERSION /* since HDF5 1.14 */
+    .version = H5FD_CLASS_VERSION,
+    .value = H5_VFD_RESERVED,
+#endif
+    .name = "sonopack",
+    .maxaddr = farthest,
+    .fc_degree = H5F_CLOSE_STRONG,
+    .fapl_size = sizeof(target),
+    .open = open_draft,
+    .close = close_draft,
+    .query = features,
+    .get_eoa = get_end,
+    .set_eoa = set_end,
+    .get_eof = get_used,
+    .read = read_draft,
+    .write = write_draft,
+    .truncate = truncate_draft,
+    .fl_map = H5FD_FLMAP_DICHOTOMY};
 
 /* ---- opening --------------------------------------------------------------------------------------------------- */
 

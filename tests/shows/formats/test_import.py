@@ -488,12 +488,12 @@ def test_refused(write, names, file, text, words):
 def test_contacts_that_cannot_be(write):
     path, force = write("a.dump", ATOMS), [hertz(0.5, 1 - math.hypot(0.9999, dy)) for dy in (0.0002, 0.0001)]
     good = ("ITEM: TIMESTEP\n7\nITEM: NUMBER OF ENTRIES\n2\nITEM: ENTRIES c_1[1] c_1[2] c_2[1]\n"
-            f"1 2 {force[0]!r}\n2 3 {force[1]!r}\n")
+            f"1 2 {force[0]}\n2 3 {force[1]}\n")
     words = {"digits": "exact", "wall": "rigid", "columns": {"id1": "c_1[1]", "id2": "c_1[2]", "fn": "c_2[1]"}}
     one, two = (read(path, **words, contacts=write("c.dump", text)) for text in (good, good.replace("1 2 ", "2 1 ")))
     assert one.hash == two.hash, "the order of a pair does not matter"
     refused("id1 c_1[1] columns", path, contacts=write("c.dump", good), digits="exact", wall="rigid")
-    last = repr(force[1])
+    last = str(force[1])
     for text, names in ((good.replace("2 3 ", "2 9 "), "c.dump:7 9 id"), (good.replace("2 3 ", "2 2 "), "c.dump:7 2"),
                         (good.replace("2 3 ", "2 1 "), "c.dump:7 line 6"), (good.replace(last, "-1e-7"), "c.dump:7 attraction"),
                         (good.replace(last, "inf"), "c.dump:7 c_2[1] inf"), (good.replace("TIMESTEP\n7", "TIMESTEP\n8"), "c.dump 7"),

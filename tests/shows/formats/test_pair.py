@@ -49,7 +49,7 @@ def test_materials(tmp_path):
         assert other.contacts.tobytes() == p.contacts.tobytes() and other.mass.tobytes() == p.mass.tobytes()
     assert again.species is None and copy.species.tobytes() == p.species.tobytes()
     assert p.repeated(2, 1).species.tolist() == 2 * p.species.tolist()
-    for bad in ([0, 1], p.species + 0.5, p.species + 2**40, p.species - 1):
+    for bad in ([0, 1], p.species + 0.5, p.species.astype(np.int64) + 2**40, p.species - 1):
         with pytest.raises(InvalidInput, match="species"):
             Packing.from_arrays(p.x[:, :2], p.r, p.contacts, box=p.box, pressure=p.pressure, friction=p.friction, species=bad)
 

@@ -34,9 +34,9 @@ def test_scenes():
 
 
 def test_scene_values():
-    scene = Scene(packing={"grains": np.int64(77), "pressure": np.float32(0.5) * 1e-3, "friction": 0, "seed": 2**40},
+    scene = Scene(packing={"grains": np.int64(77), "pressure": np.float32(2**-11), "friction": 0, "seed": 2**40},
                   study={"samples": 2, "sweep": [{"key": "packing.poisson", "values": [0.1, 0.2, 0.3]}]})
-    assert scene["packing.grains"] == 77 and scene["packing.pressure"] == 5e-4 and scene["packing.friction"] == 0, scene
+    assert scene["packing.grains"] == 77 and scene["packing.pressure"] == 2**-11 and scene["packing.friction"] == 0, scene
     assert scene.samples == 6 and Scene(packing={"pressure": [1e-5, 1e-4]}).samples == 2, scene.samples
     assert f"{2**40}" in scene.text and Scene.parse(scene.text).text == scene.text, scene.text
     assert scene.replace({"packing.grains": 78})["packing.grains"] == 78 and scene["packing.grains"] == 77, "replace"
