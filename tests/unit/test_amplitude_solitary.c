@@ -102,7 +102,7 @@ TEST(test_travels) {
     const double overlap = p.contacts[0].overlap, sound = sqrt(net.springs[0].kn / grain_mass(0.5));
     motion s;
     assert_ok(sp_motion_make(&p, &net, SP_MOTION_NEAR, 0, NULL, &s, &err));
-    for (int q = 0; q < 3; q++) {
+    for (int q = 0; q < 3; q += SANITIZED_STEP(3)) {
         sp_solitary wave;
         double before[N];
         assert_ok(sp_solitary_make(peaks[q], &wave, &err));

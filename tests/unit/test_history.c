@@ -146,7 +146,7 @@ TEST(a_history_in_one_making) {
 TEST(sides_that_yield) {
     const double pressures[] = {1e-3, 1e-5, 1e-8};
     for (int dim = 2; dim <= 3; dim++)
-        for (int k = 0; k < 3; k++) {
+        for (int k = 0; k < 3; k += SANITIZED_STEP(2)) {
             if (dim == 3 && k != 1)
                 continue;
             sp_pack_spec s = dim == 2 ? small(2, 80, 8, pressures[k]) : small(3, 90, 5, pressures[k]);

@@ -173,6 +173,7 @@ TEST(test_radius_gradient) {
 /* Rows of a triangular lattice move as a chain. Its optical and acoustic branches are apart where light and heavy rows
  * alternate, and that is what the design finds, away from the walls. */
 TEST(test_diatomic) {
+    SKIP_SANITIZED();
     sp_pack_spec spec = sp_pack_spec_default();
     sp_design_options o = sp_design_options_default();
     FREED(sp_design) d = sp_design_none();

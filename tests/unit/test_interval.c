@@ -68,6 +68,7 @@ static double coverage(int64_t n, bool skew, double level, int trials, double *w
 /* The numbers that the header states, to four standard deviations of so many trials, and 0.5 for resamples that the
  * trials share. */
 TEST(coverage_of_the_mean) {
+    SKIP_SANITIZED();
     static const struct {
         int64_t n;
         double level;
@@ -337,6 +338,7 @@ TEST(smooth_in_time) {
 /* The numbers that the header states of intervals from one sample at a time, to four standard deviations of so many
  * trials, and 1 for weights that the trials of one seed share. */
 TEST(coverage_one_at_a_time) {
+    SKIP_SANITIZED();
     enum { TRIALS = 1000, TOGETHER = 200, MOST = 10 };
     static const int numbers[] = {3, 5, 8, 10};
     static const double stated[][2] = {{94.8, 89.0}, {94.9, 88.3}, {96.0, 94.9}, {95.6, 94.6}};

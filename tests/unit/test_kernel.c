@@ -215,7 +215,7 @@ static void assert_same_motion(dynamics *fast, dynamics *plain, double dt) {
 
 TEST(test_kernel_equals_plain) {
     const double friction[] = {0, 0.5, 1e6}, limit[] = {1, 1e6}, dt[] = {0, 0.01, 0.3, 1};
-    for (int k = 0; k < 4 * 3 * 2 * 4; k++) {
+    for (int k = 0; k < 4 * 3 * 2 * 4; k += SANITIZED_STEP(5)) {
         const conditions c = {friction[k / 8 % 3], limit[k / 4 % 2], dt[k % 4], .mixed = k / 8 % 3 == 1};
         dynamics fast = make_moving(&states[k / 24], &c, false), plain = make_moving(&states[k / 24], &c, true);
         if (k % 3 == 0) /* sides that shrink */
@@ -384,11 +384,11 @@ static dynamics make_crowd(int dim, bool wide) {
 }
 
 TEST(test_lists_of_threads) {
-    for (int k = 0; k < 4; k++) {
+    for (int k = 0; k < 4; k += SANITIZED_STEP(3)) {
         dynamics alone = make_crowd(2 + k / 2, k % 2);
         run_steps(&alone, 100, k % 2 ? 0.01 : 0.1);
         assert_true(alone.outer.n > 2 * SPAN && (k % 2 == 1 || (alone.inner.n > 2 * SPAN && alone.wall[0].n > 3)));
-        for (int q = 0; q < 3; q++) {
+        for (int q = 0; q < 3; q += SANITIZED_STEP(2)) {
             dynamics d = make_crowd(2 + k / 2, k % 2);
             assert_ok(sp_pool_make(THREADS[q], &d.pool, &err));
             run_steps(&d, 100, k % 2 ? 0.01 : 0.1);

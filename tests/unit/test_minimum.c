@@ -82,6 +82,7 @@ TEST(test_laws) {
 
 /* A cell of fixed size and shape: its grains have the fraction; below jamming there is no packing. */
 TEST(test_fraction) {
+    SKIP_SANITIZED();
     for (int dim = 2; dim <= 3; dim++) {
         sp_pack_spec s = spec_of(dim, 1);
         double solid = 0, volume;

@@ -25,7 +25,7 @@ static void compare(const sp_packing *p, bool prestress, const sp_gradient *g, q
     const double size = noise * g->value;
     for (int q = 0; q < KINDS; q++) {
         const sp_partials *d = partials_of(g, ALL[q]);
-        for (int64_t k = 0; k < d->n; k += d->n / 5 + 1) {
+        for (int64_t k = 0; k < d->n; k += SANITIZED_STEP(3) * (d->n / 5 + 1)) {
             const int64_t at = d->n - 1 - k;
             if (ALL[q] == SP_BY_POSITION && at % 3 >= p->dim)
                 continue;

@@ -125,7 +125,7 @@ TEST(test_space) {
     assert_true(sp_network_skew(&net) > 0);
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
     double off[2] = {0, 0};
-    for (int k = 0; k < 2; k++) {
+    for (int k = 0; k < 2; k += SANITIZED_STEP(2)) {
         const sp_finite_strain s = strained(&p, &net, k ? 1e-9 : 1e-8, true);
         const double pairs[][2] = {{s.moduli.c11, m.c11}, {s.moduli.c12, m.c12}, {s.moduli.c22, m.c22},
                                    {s.moduli.c33, m.c33}, {s.moduli.c13, m.c13}, {s.moduli.c23, m.c23},

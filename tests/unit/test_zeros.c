@@ -125,7 +125,7 @@ TEST(test_long_row) {
  * its motion with those of the rows. Many more mechanisms than a slice of the sparse solver holds. */
 TEST(test_mixed) {
     enum { ACROSS = 17, UP = 15 };
-    for (int q = 0; q < 3; q += SANITIZED_STEP(2)) {
+    for (int q = 0; q < 3; q += SANITIZED_STEP(3)) {
         sp_network net = network_of(square_packing(ACROSS, UP, 0));
         const double weak = q == 1 ? 1e-9 : 1e-13;
         double softest;
