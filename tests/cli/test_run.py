@@ -175,14 +175,15 @@ def tests(folder):
     assert set(TEST) <= set(log[1].split()) and sum(line.startswith("ctest") for line in log) == 1, log
     assert log[-1].startswith("ctest --test-dir build/release") and "-LE long|slow|foreign" in log[-1], log
     assert done.stdout.splitlines()[-1].startswith("100% tests passed")
-    assert box.run("test-long")[1][-1].endswith("-LE foreign")
+    log = box.run("test-long")[1]
+    assert log[-1].endswith("-LE foreign") and {"clang-tidy", "cppcheck"} <= set(" ".join(log).split()), log
     log = box.run("test-foreign")[1]
     assert {"lammps", "yade", "octave", "chromium", "python3-vtk9"} <= set(" ".join(log).split())
     assert log[-1].endswith("-L foreign"), log
     done, log = box.run(script=".ci/run")
     presets = [line.split()[2] for line in log if line.startswith("cmake --preset")]
     assert presets == ["clang", "sanitize", "release"] and "SONOPACK_WERROR=ON" in "".join(log), log
-    assert log[-1].startswith("ctest --test-dir build/release") and log[-1].split()[-1] == "long|foreign", log
+    assert log[-1].startswith("ctest --test-dir build/release") and log[-1].split()[-1] == "long|foreign|fuzz", log
 
 
 for test in (usage, bare_machine, failures, other_systems, unknown_system, main_job, moved_checkout, tests):
