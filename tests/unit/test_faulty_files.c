@@ -16,8 +16,7 @@ static const char *saved_packing(void) {
 }
 
 /* A file that ends early was damaged before it was opened, or has been shortened since. */
-static void shortened_while_read(void **state) {
-    (void)state;
+TEST_IN_FOLDER(shortened_while_read) {
     const char *path = saved_packing();
     sp_packing p = sp_packing_none();
     sp_error reason = {0}; /* an open file keeps it */
@@ -32,8 +31,7 @@ static void shortened_while_read(void **state) {
 }
 
 /* Whatever is longer than the file was is not looked at. */
-static void grown_while_read(void **state) {
-    (void)state;
+TEST_IN_FOLDER(grown_while_read) {
     const char *path = saved_packing();
     sp_packing p = sp_packing_none();
     sp_error reason = {0}; /* an open file keeps it */
@@ -49,8 +47,7 @@ static void grown_while_read(void **state) {
     sp_packing_free(&p);
 }
 
-static void no_memory_to_open(void **state) {
-    (void)state;
+TEST_IN_FOLDER(no_memory_to_open) {
     const char *path = saved_packing();
     sp_packing p = sp_packing_none();
     sp_error reason = {0};
@@ -65,8 +62,7 @@ static void no_memory_to_open(void **state) {
 }
 
 /* A row whose text finds no memory is no row. */
-static void no_memory_for_a_row(void **state) {
-    (void)state;
+TEST_IN_FOLDER(no_memory_for_a_row) {
     sp_table t = sp_table_none();
     assert_ok(sp_table_add_column(&t, "file", "", SP_COLUMN_TEXT, &err));
     assert_ok(sp_table_add_column(&t, "x", "", SP_COLUMN_NUMBER, &err));
@@ -83,10 +79,4 @@ static void no_memory_for_a_row(void **state) {
     sp_table_free(&t);
 }
 
-#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
-
-int main(void) {
-    const struct CMUnitTest tests[] = {BETWEEN(shortened_while_read), BETWEEN(grown_while_read),
-                                       BETWEEN(no_memory_to_open), BETWEEN(no_memory_for_a_row)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

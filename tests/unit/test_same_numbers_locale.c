@@ -20,8 +20,7 @@ static void write_file(const char *name, const char *text, char *path, size_t si
     assert_int_equal(fclose(out), 0);
 }
 
-static void test_damping(void **state) {
-    (void)state;
+TEST(test_damping) {
     sp_damping law = {0};
     assert_ok(sp_damping_read("zeta:0.25", &law, &err));
     assert_true(law.value == 0.25);
@@ -29,8 +28,7 @@ static void test_damping(void **state) {
     assert_true(law.value == 0.5 && law.ratio == 0.25);
 }
 
-static void test_scene(void **state) {
-    (void)state;
+TEST(test_scene) {
     char sizes[64], path[64];
     write_file("sizes.txt", "0.75\n1\n1.25\n", sizes, sizeof sizes);
     write_file("scene.cfg",
@@ -43,8 +41,7 @@ static void test_scene(void **state) {
     sp_scene_free(&scene);
 }
 
-static void test_texts(void **state) {
-    (void)state;
+TEST(test_texts) {
     sp_table t = sp_table_none();
     assert_ok(sp_table_add_comment(&t, &err, "gamma = %g", 0.625));
     assert_string_equal(t.comment[0], "gamma = 0.625");
@@ -61,14 +58,9 @@ static void test_texts(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_damping),
-        cmocka_unit_test(test_scene),
-        cmocka_unit_test(test_texts),
-    };
     if (!mkdtemp(folder) || !comma_set(folder))
         return 77; /* skipped: no locale of C to start from */
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    const int failed = _cmocka_run_group_tests("tests", test_all, test_count, NULL, NULL);
     char command[64];
     snprintf(command, sizeof command, "rm -r %s", folder);
     return system(command) == 0 ? failed : 1;

@@ -19,8 +19,7 @@ static sp_status set(const char *override, sp_scene *out, sp_error *err) {
 
 /* ---- values ------------------------------------------------------------------------------------------------- */
 
-static void defaults_are_those_of_the_rooms(void **state) {
-    (void)state;
+TEST(defaults_are_those_of_the_rooms) {
     const sp_pack_spec pack = sp_pack_spec_default();
     const sp_network_options network = sp_network_options_default();
     const sp_signal_options signal = sp_signal_options_default();
@@ -39,8 +38,7 @@ static void defaults_are_those_of_the_rooms(void **state) {
     sp_scene_free(&s);
 }
 
-static void integers_and_reals_stand_for_each_other(void **state) {
-    (void)state;
+TEST(integers_and_reals_stand_for_each_other) {
     sp_scene s;
     assert_ok(parse("packing = { grains = 1e3; width = 30; seed = 3000000000; max_steps = 5e12; };"
                     "signal : { until = 7, points = 0x10 };",
@@ -51,8 +49,7 @@ static void integers_and_reals_stand_for_each_other(void **state) {
     sp_scene_free(&s);
 }
 
-static void every_word_and_switch_is_read(void **state) {
-    (void)state;
+TEST(every_word_and_switch_is_read) {
     sp_scene s;
     assert_ok(
         parse("packing = { kind = \"triangular\"; width = 10; grains = 100; diameter_min = 1; diameter_max = 1; };"
@@ -75,8 +72,7 @@ static void every_word_and_switch_is_read(void **state) {
     sp_scene_free(&s);
 }
 
-static void seeds_keep_their_64_bits(void **state) {
-    (void)state;
+TEST(seeds_keep_their_64_bits) {
     const uint64_t seed = (UINT64_C(1) << 62) + 1; /* no double */
     sp_scene s, again;
     assert_ok(set("packing.seed=4611686018427387905", &s, &err));
@@ -123,8 +119,7 @@ static char *text_of_all(const sp_scene *s) {
     return text;
 }
 
-static void text_reads_back_bit_for_bit(void **state) {
-    (void)state;
+TEST(text_reads_back_bit_for_bit) {
     uint64_t random = 20240607;
     print_message("seed %llu\n", (unsigned long long)random);
     for (int trial = 0; trial < 300; trial++) {
@@ -187,8 +182,7 @@ static void text_reads_back_bit_for_bit(void **state) {
     }
 }
 
-static void help_names_every_key(void **state) {
-    (void)state;
+TEST(help_names_every_key) {
     char *help = sp_scene_help();
     assert_non_null(help);
     for (int k = 0; k < SP_FIELDS; k++) {
@@ -200,8 +194,7 @@ static void help_names_every_key(void **state) {
     sp_free(help);
 }
 
-static void unknown_names_meet_the_nearest(void **state) {
-    (void)state;
+TEST(unknown_names_meet_the_nearest) {
     assert_int_equal(sp_edit_distance("pressure", "presusre"), 1);
     assert_int_equal(sp_edit_distance("kitten", "sitting"), 3);
     assert_int_equal(sp_edit_distance("", "abc"), 3);
@@ -209,8 +202,7 @@ static void unknown_names_meet_the_nearest(void **state) {
 
 /* ---- overrides and single keys ------------------------------------------------------------------------------ */
 
-static void overrides_win_and_are_checked(void **state) {
-    (void)state;
+TEST(overrides_win_and_are_checked) {
     char pressure[] = "packing.pressure=1e-6", grains[] = " packing.grains = 200", want[] = "study.want=ctof,statics";
     char source[] = "signal.source=\"velocity\"", prestress[] = "network.prestress=true";
     char sweep[] = "study.sweep=( { key = \"packing.grains\"; values = [3, 4, 5]; } )";
@@ -232,8 +224,7 @@ static void overrides_win_and_are_checked(void **state) {
     sp_scene_free(&s);
 }
 
-static void set_and_get_one_key(void **state) {
-    (void)state;
+TEST(set_and_get_one_key) {
     sp_scene s = sp_scene_default();
     assert_ok(sp_scene_set(&s, "packing.pressure", 1e-6, &err));
     assert_ok(sp_scene_set(&s, "packing.grains", 200, &err));
@@ -258,8 +249,7 @@ static sp_status column_of(const char *override, sp_scene *out, sp_error *err) {
     return sp_scene_read_tapped(NULL, override ? 1 : 0, list, out, err);
 }
 
-static void lists_are_one_number_or_several(void **state) {
-    (void)state;
+TEST(lists_are_one_number_or_several) {
     sp_scene s;
     assert_ok(parse("column = { mass = 2; radius = [1, 0.5, 1]; };", &s, &err));
     assert_int_equal(s.tapped.masses, 1);
@@ -274,8 +264,7 @@ static void lists_are_one_number_or_several(void **state) {
     sp_scene_free(&s);
 }
 
-static void each_check_is_for_its_own(void **state) {
-    (void)state;
+TEST(each_check_is_for_its_own) {
     char bad_packing[] = "packing.width=1", bad_column[] = "column.e=1", *packing[] = {bad_packing},
          *column[] = {bad_column};
     sp_scene s;
@@ -288,8 +277,7 @@ static void each_check_is_for_its_own(void **state) {
 }
 
 /* A store that was made without this group is found again with it. */
-static void samples_do_not_know_it(void **state) {
-    (void)state;
+TEST(samples_do_not_know_it) {
     sp_scene plain, other;
     char names[2][SP_NAME_MAX];
     assert_ok(parse("packing = { kind = \"chain\"; grains = 5; };", &plain, &err));
@@ -313,20 +301,4 @@ static void samples_do_not_know_it(void **state) {
     sp_scene_free(&other);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(defaults_are_those_of_the_rooms),
-        cmocka_unit_test(integers_and_reals_stand_for_each_other),
-        cmocka_unit_test(every_word_and_switch_is_read),
-        cmocka_unit_test(seeds_keep_their_64_bits),
-        cmocka_unit_test(text_reads_back_bit_for_bit),
-        cmocka_unit_test(help_names_every_key),
-        cmocka_unit_test(unknown_names_meet_the_nearest),
-        cmocka_unit_test(overrides_win_and_are_checked),
-        cmocka_unit_test(set_and_get_one_key),
-        cmocka_unit_test(lists_are_one_number_or_several),
-        cmocka_unit_test(each_check_is_for_its_own),
-        cmocka_unit_test(samples_do_not_know_it),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -20,8 +20,7 @@ static sp_scene parsed(const char *text, const char *set) {
 
 /* The number that the scene's own words say: height x width (x depth) x fraction over the mean grain, <d^2> and <d^3>
  * of uniform diameters being (b^3 - a^3)/3(b - a) and (b^4 - a^4)/4(b - a). */
-static void grains_fill_the_height(void **state) {
-    (void)state;
+TEST(grains_fill_the_height) {
     sp_scene s = parsed("packing = { height = 25; width = 24; };", NULL);
     const double area = M_PI / 4 * (1.728 - 0.512) / 3 / 0.4;
     assert_int_equal(s.pack.grains, (int)lround(25 * 24 * 0.815 / area));
@@ -43,8 +42,7 @@ static void grains_fill_the_height(void **state) {
 }
 
 /* The same packing has the same name, by whichever of the two it was asked for. */
-static void names_do_not_tell(void **state) {
-    (void)state;
+TEST(names_do_not_tell) {
     char by_height[SP_NAME_MAX], by_grains[SP_NAME_MAX], set[64];
     sp_scene high = parsed("packing = { height = 25; };", NULL);
     snprintf(set, sizeof set, "packing.grains=%d", high.pack.grains);
@@ -78,8 +76,7 @@ static void name_of(const char *text, char name[SP_NAME_MAX]) {
     sp_scene_free(&s);
 }
 
-static void names_stay(void **state) {
-    (void)state;
+TEST(names_stay) {
     char name[SP_NAME_MAX];
     name_of("", name);
     assert_string_equal(name, "7acecf30e8591ca4e8d4e10558d4e3c1");
@@ -91,8 +88,7 @@ static void names_stay(void **state) {
     assert_string_equal(name, "68791cbef02871dbd9110a80bff21e4b");
 }
 
-static void heights_and_widths_are_swept_together(void **state) {
-    (void)state;
+TEST(heights_and_widths_are_swept_together) {
     sp_scene study = parsed("study = { samples = 2; sweep = ( { key = \"packing.width\"; values = [12, 24]; },"
                             "{ key = \"packing.height\"; values = [10, 20, 0]; } ); };",
                             NULL);
@@ -143,8 +139,7 @@ static void heights_and_widths_are_swept_together(void **state) {
 }
 
 /* One packing of a swept scene takes the override of either; a study takes none. */
-static void overrides_of_swept_heights(void **state) {
-    (void)state;
+TEST(overrides_of_swept_heights) {
     static const char *const swept[] = {"packing.height", "packing.grains"};
     static const char *const set[] = {"packing.grains=30", "packing.height=9"};
     for (int k = 0; k < 4; k++) {
@@ -160,8 +155,7 @@ static void overrides_of_swept_heights(void **state) {
 }
 
 /* The height that comes out, for packings small enough to be made here. */
-static void boxes_come_out_that_high(void **state) {
-    (void)state;
+TEST(boxes_come_out_that_high) {
     const char *const scene[] = {"packing = { height = 12; width = 12; tolerance = 1e-7; };",
                                  "packing = { height = 12; width = 12; tolerance = 1e-9; pressure = 1e-6; };",
                                  "packing = { dimension = 3; height = 9; width = 5; tolerance = 1e-7; };"};
@@ -178,8 +172,7 @@ static void boxes_come_out_that_high(void **state) {
 
 /* ---- planes ------------------------------------------------------------------------------------------------------ */
 
-static void planes_are_read(void **state) {
-    (void)state;
+TEST(planes_are_read) {
     static const char *const same[] = {"signal.planes=12.5,25", "signal.planes=[12.5, 25.0]",
                                        "signal.planes=(1.25e1, 25)"};
     for (int k = 0; k < 3; k++) {
@@ -199,15 +192,4 @@ static void planes_are_read(void **state) {
     sp_scene_free(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(grains_fill_the_height),
-        cmocka_unit_test(names_do_not_tell),
-        cmocka_unit_test(names_stay),
-        cmocka_unit_test(heights_and_widths_are_swept_together),
-        cmocka_unit_test(overrides_of_swept_heights),
-        cmocka_unit_test(boxes_come_out_that_high),
-        cmocka_unit_test(planes_are_read),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -137,8 +137,7 @@ static const struct {
     {"material = { E = 70e9; };", NULL, "material.nu"},
 };
 
-static void scenes(void **state) {
-    (void)state;
+TEST(scenes) {
     for (size_t k = 0; k < sizeof refused / sizeof *refused; k++) {
         char set[200], *sets[] = {set};
         sp_scene s;
@@ -152,8 +151,7 @@ static void scenes(void **state) {
     }
 }
 
-static void columns(void **state) {
-    (void)state;
+TEST(columns) {
     static const char *const wrong[][2] = {{"column.mass=0", "column.mass 0"},
                                            {"column.mass=[1, 0]", "column.mass 0"},
                                            {"column.radius=1e13", "1e-12 1000000000000"},
@@ -176,8 +174,7 @@ static void columns(void **state) {
 }
 
 /* As deep, as many and as long as memory allows: refused, and at once. */
-static void large_texts(void **state) {
-    (void)state;
+TEST(large_texts) {
     const size_t size = 200000;
     static const char *const repeated[][2] = {{"a = ", "("}, {"", "a=1;"}, {"a = ", "9"}, {"", "a"}};
     for (int k = 0; k < 4; k++) {
@@ -192,8 +189,7 @@ static void large_texts(void **state) {
     }
 }
 
-static void files_that_are_no_scene(void **state) {
-    (void)state;
+TEST(files_that_are_no_scene) {
     char path[] = "/tmp/sonopack-test-scene-XXXXXX";
     const int file = mkstemp(path);
     assert_true(file >= 0);
@@ -207,12 +203,4 @@ static void files_that_are_no_scene(void **state) {
     assert_fails(sp_scene_read("/tmp", 0, NULL, &s, &err), SP_EINVAL, "Is a directory");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(scenes),
-        cmocka_unit_test(columns),
-        cmocka_unit_test(large_texts),
-        cmocka_unit_test(files_that_are_no_scene),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

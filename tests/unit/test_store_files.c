@@ -18,8 +18,7 @@ static void assert_holds(const char *path, const char *expected) {
     sp_free(text);
 }
 
-static void writes_and_replaces(void **state) {
-    (void)state;
+TEST_IN_FOLDER(writes_and_replaces) {
     const char *path = fixture_path(folder, "a.txt");
     assert_ok(sp_text_save(path, "one", 3, &err));
     assert_holds(path, "one");
@@ -34,8 +33,7 @@ static void writes_and_replaces(void **state) {
     assert_int_equal(fixture_count_files(folder), 1);
 }
 
-static void links_stay_links(void **state) {
-    (void)state;
+TEST_IN_FOLDER(links_stay_links) {
     const char *file = fixture_path(folder, "file"), *link = fixture_path(folder, "link");
     assert_ok(sp_text_save(file, "one", 3, &err));
     assert_int_equal(symlink("file", link), 0);
@@ -49,8 +47,7 @@ static void links_stay_links(void **state) {
     assert_fails(sp_text_save(dangling, "x", 1, &err), SP_EIO, "dangling");
 }
 
-static void devices_stay_devices(void **state) {
-    (void)state;
+TEST_IN_FOLDER(devices_stay_devices) {
     struct stat info;
     assert_ok(sp_text_save("/dev/null", "x", 1, &err));
     assert_fails(sp_text_save("/dev/full", "x", 1, &err), SP_EIO, "/dev/full No space left on device");
@@ -64,8 +61,7 @@ static void devices_stay_devices(void **state) {
     sp_packing_free(&p);
 }
 
-static void places_that_are_none(void **state) {
-    (void)state;
+TEST_IN_FOLDER(places_that_are_none) {
     assert_fails(sp_text_save("", "x", 1, &err), SP_EINVAL, "");
     assert_fails(sp_text_save(folder, "x", 1, &err), SP_EIO, "Is a directory");
     assert_fails(sp_text_save(fixture_path(folder, "no/where"), "x", 1, &err), SP_EIO, "No such file");
@@ -107,8 +103,7 @@ static void assert_no_room(const char *where) {
     sp_packing_free(&old);
 }
 
-static void file_size_limit(void **state) {
-    (void)state;
+TEST_IN_FOLDER(file_size_limit) {
     struct rlimit before, limit;
     getrlimit(RLIMIT_FSIZE, &before);
     limit = before;
@@ -120,8 +115,7 @@ static void file_size_limit(void **state) {
     signal(SIGXFSZ, SIG_DFL);
 }
 
-static void full_disk(void **state) {
-    (void)state;
+TEST_IN_FOLDER(full_disk) {
     char place[512];
     snprintf(place, sizeof place, "%s/disk", folder);
     mkdir(place, 0777);
@@ -134,8 +128,7 @@ static void full_disk(void **state) {
     rmdir(place);
 }
 
-static void read_only_folder(void **state) {
-    (void)state;
+TEST_IN_FOLDER(read_only_folder) {
     if (geteuid() == 0)
         skip(); /* root may write everywhere */
     assert_ok(sp_text_save(fixture_path(folder, "a"), "x", 1, &err));
@@ -148,8 +141,7 @@ static void read_only_folder(void **state) {
 }
 
 /* A temporary that a dead process of the same number left behind is stepped over, and left alone. */
-static void stale_temporaries(void **state) {
-    (void)state;
+TEST_IN_FOLDER(stale_temporaries) {
     for (int k = 0; k < 2000; k++) {
         char name[64];
         snprintf(name, sizeof name, ".sonopack-%ld-%d.tmp", (long)getpid(), k);
@@ -160,12 +152,4 @@ static void stale_temporaries(void **state) {
     assert_int_equal(fixture_count_files(folder), 2001);
 }
 
-int main(void) {
-#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
-    const struct CMUnitTest tests[] = {
-        BETWEEN(writes_and_replaces),  BETWEEN(links_stay_links),  BETWEEN(devices_stay_devices),
-        BETWEEN(places_that_are_none), BETWEEN(file_size_limit),   BETWEEN(full_disk),
-        BETWEEN(read_only_folder),     BETWEEN(stale_temporaries),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -73,6 +73,7 @@ static inline int remove_folder(void **state) {
     fixture_remove(folder);
     return 0;
 }
+#define TEST_IN_FOLDER(name) TEST_BETWEEN(name, make_folder, remove_folder)
 
 static inline void fixture_write(const char *path, const char *text) {
     FILE *f = fopen(path, "wb");

@@ -80,8 +80,7 @@ static void assert_same(const sp_sample *a, const sp_sample *b) {
     sp_text_free(&right);
 }
 
-static void lines_keep_every_bit(void **state) {
-    (void)state;
+TEST_BETWEEN(lines_keep_every_bit, setup, teardown) {
     const unsigned all = SP_WANT_CTOF | SP_WANT_STATICS | SP_WANT_MODULI | SP_WANT_SIGNAL | SP_WANT_PROBES |
                          SP_WANT_PLANES | SP_WANT_SPECTRUM;
     const struct stat file = file_of(12345, 1700000000);
@@ -108,8 +107,7 @@ static sp_manifest *open_manifest(bool adding) {
     return m;
 }
 
-static void speaks_of_files_as_they_are(void **state) {
-    (void)state;
+TEST_BETWEEN(speaks_of_files_as_they_are, setup, teardown) {
     const sp_sample s = example(SP_WANT_CTOF | SP_WANT_SIGNAL, 5);
     sp_sample changed = s, back,
               failed = {.failed = true, .dim = 2, .grains = 20, .width = 8, .pressure = 1e-4, .reason = "no\trest"};
@@ -159,8 +157,7 @@ static void write_text(const char *text, size_t size) {
 }
 
 /* Any byte changed, and cut anywhere: the samples are found as they are, or not at all; and can be added again. */
-static void damage_is_never_believed(void **state) {
-    (void)state;
+TEST_BETWEEN(damage_is_never_believed, setup, teardown) {
     enum { SAMPLES = 3 };
     const struct stat file = file_of(1000, 50);
     sp_sample s[SAMPLES], back;
@@ -198,8 +195,7 @@ static void damage_is_never_believed(void **state) {
 
 /* Of another form, it is made anew; where a folder, a link or a pipe stands, nothing is known, and nothing is harmed.
  */
-static void of_another_form(void **state) {
-    (void)state;
+TEST_BETWEEN(of_another_form, setup, teardown) {
     const struct stat file = file_of(1000, 50);
     char path[200];
     struct stat info;
@@ -226,8 +222,7 @@ static void of_another_form(void **state) {
 }
 
 /* Many samples, each with several lines: the last one counts. */
-static void grows(void **state) {
-    (void)state;
+TEST_BETWEEN(grows, setup, teardown) {
     enum { SAMPLES = 1500 };
     sp_sample back;
     sp_manifest *m = open_manifest(true);
@@ -268,8 +263,7 @@ static pid_t holder(const char *name) {
     return child;
 }
 
-static void claims_end_with_their_process(void **state) {
-    (void)state;
+TEST_BETWEEN(claims_end_with_their_process, setup, teardown) {
     const sp_sample a = example(0, 1), b = example(0, 2);
     sp_claims mine = {.fd = -1};
     pid_t child = holder(a.name);
@@ -294,14 +288,4 @@ static void claims_end_with_their_process(void **state) {
     sp_claims_close(&nowhere);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(lines_keep_every_bit, setup, teardown),
-        cmocka_unit_test_setup_teardown(speaks_of_files_as_they_are, setup, teardown),
-        cmocka_unit_test_setup_teardown(damage_is_never_believed, setup, teardown),
-        cmocka_unit_test_setup_teardown(of_another_form, setup, teardown),
-        cmocka_unit_test_setup_teardown(grows, setup, teardown),
-        cmocka_unit_test_setup_teardown(claims_end_with_their_process, setup, teardown),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -73,8 +73,7 @@ static void round_trip(sp_packing p, sp_modes_range range) {
     clear(&x);
 }
 
-static void every_bit_returns(void **state) {
-    (void)state;
+TEST_IN_FOLDER(every_bit_returns) {
     round_trip(chain_packing(30, 1e-4), sp_modes_range_all());
     for (int dim = 2; dim <= 3; dim++) {
         round_trip(scattered_packing(dim, 4, 0.5, 3), sp_modes_range_all());
@@ -85,16 +84,14 @@ static void every_bit_returns(void **state) {
     round_trip(reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt"), sp_modes_range_band(50, 60));
 }
 
-static void without_walls(void **state) {
-    (void)state;
+TEST_IN_FOLDER(without_walls) {
     sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
     while (p.n_contacts > 0 && p.contacts[p.n_contacts - 1].j < 0)
         p.n_contacts--;
     round_trip(p, sp_modes_range_lowest(12)); /* a and b are NAN */
 }
 
-static void wrong_calls_are_refused(void **state) {
-    (void)state;
+TEST_IN_FOLDER(wrong_calls_are_refused) {
     made x = make(scattered_packing(2, 4, 0.5, 3), sp_modes_range_all());
     sp_packing other = scattered_packing(2, 4, 0.5, 4);
     sp_modes_file f = sp_modes_file_none();
@@ -121,8 +118,7 @@ static void wrong_calls_are_refused(void **state) {
 }
 
 /* A disk that is full in the middle of the vectors: an error, the old file, and nothing else. */
-static void full_disk(void **state) {
-    (void)state;
+TEST_IN_FOLDER(full_disk) {
     made x = make(scattered_packing(2, 9, 0.5, 3), sp_modes_range_all());
     const char *path = fixture_path(folder, "m.h5");
     sp_modes_file f = sp_modes_file_none();
@@ -148,8 +144,7 @@ static void full_disk(void **state) {
 }
 
 /* Vectors of the dense solver and of Lanczos differ by no more than both of their errors allow, with either sign. */
-static void errors_of_vectors_are_bounds(void **state) {
-    (void)state;
+TEST(errors_of_vectors_are_bounds) {
     made x = make(scattered_packing(2, 6, 0.5, 5), sp_modes_range_all());
     const sp_modes_options o = {.vectors = true};
     const sp_modes_range range = sp_modes_range_lowest(25);
@@ -173,8 +168,7 @@ static void errors_of_vectors_are_bounds(void **state) {
     clear(&x);
 }
 
-static void lack_of_memory(void **state) {
-    (void)state;
+TEST_IN_FOLDER(lack_of_memory) {
     made x = make(scattered_packing(2, 4, 0.5, 3), sp_modes_range_all());
     const char *path = fixture_path(folder, "m.h5");
     for (long after = 0, done = 0; !done; after++) {
@@ -192,14 +186,4 @@ static void lack_of_memory(void **state) {
     clear(&x);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(every_bit_returns, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(without_walls, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(wrong_calls_are_refused, make_folder, remove_folder),
-        cmocka_unit_test_setup_teardown(full_disk, make_folder, remove_folder),
-        cmocka_unit_test(errors_of_vectors_are_bounds),
-        cmocka_unit_test_setup_teardown(lack_of_memory, make_folder, remove_folder),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

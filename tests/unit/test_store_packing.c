@@ -14,8 +14,7 @@ static sp_status round_trip(int form, const sp_packing *p, sp_packing *q, sp_err
 }
 
 /* Every form, cell and dimension; a piston without gravity too. */
-static void every_bit_is_kept(void **state) {
-    (void)state;
+TEST_IN_FOLDER(every_bit_is_kept) {
     for (int form = 0; form < FORMS; form++)
         for (int cell = -1; cell <= SP_CELL_BOX; cell++)
             for (int dim = 1; dim <= 3; dim++)
@@ -37,8 +36,7 @@ static void every_bit_is_kept(void **state) {
 }
 
 /* Large enough for several chunks: 20000 grains in 3D. */
-static void hdf5_keeps_large_packings(void **state) {
-    (void)state;
+TEST_IN_FOLDER(hdf5_keeps_large_packings) {
     sp_packing p = fixture_packing(5, 3, 40000), q = sp_packing_none();
     const char *path = fixture_path(folder, "p.h5");
     assert_ok(sp_packing_save(&p, path, &err));
@@ -71,8 +69,7 @@ static void assert_no_times(const char *path) {
     H5Fclose(file);
 }
 
-static void equal_packings_are_equal_files(void **state) {
-    (void)state;
+TEST_IN_FOLDER(equal_packings_are_equal_files) {
     sp_packing p = fixture_packing(3, 2, 30);
     size_t size_a, size_b;
     assert_ok(sp_packing_save(&p, fixture_path(folder, "a.h5"), &err));
@@ -88,8 +85,7 @@ static void equal_packings_are_equal_files(void **state) {
 
 /* Ft as a scalar is exact both ways, although the rounded product is neither one to one nor onto: what is written is
  * what was read. */
-static void tangential_scalar_survives(void **state) {
-    (void)state;
+TEST_IN_FOLDER(tangential_scalar_survives) {
     enum { CONTACTS = 2000 };
     uint64_t random = 11;
     char *text = malloc(CONTACTS * 200), *at = text;
@@ -130,8 +126,7 @@ static void tangential_scalar_survives(void **state) {
 
 /* ---- reference packings ---------------------------------------------------------------------------------------- */
 
-static void reference_packing_reads(void **state) {
-    (void)state;
+TEST_IN_FOLDER(reference_packing_reads) {
     const char *path = SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt";
     sp_packing p = sp_packing_none(), q = sp_packing_none();
     assert_ok(sp_packing_read(path, &p, &err));
@@ -175,8 +170,7 @@ static sp_status read_text(const char *text, sp_packing *p, sp_error *err) {
     return sp_packing_read(path, p, err);
 }
 
-static void reversed_contacts_turn_round(void **state) {
-    (void)state;
+TEST_IN_FOLDER(reversed_contacts_turn_round) {
     sp_packing p;
     assert_ok(read_text("# a comment\n\n" HEADER GRAINS CONTACTS, &p, &err));
     const sp_contact *c = &p.contacts[1];
@@ -190,8 +184,7 @@ static void reversed_contacts_turn_round(void **state) {
     sp_packing_free(&p);
 }
 
-static void positions_are_wrapped(void **state) {
-    (void)state;
+TEST_IN_FOLDER(positions_are_wrapped) {
     sp_packing p;
     assert_ok(
         read_text("N 1 Lx 10 Ly 4 p 1e-4 mu 0.5 nu 0 contacts 0 bottom 0 top 0 seed 7\r\n-0.5 1 0.5 0\r\n", &p, &err));
@@ -204,8 +197,7 @@ static void positions_are_wrapped(void **state) {
 #define TWO      "1 0.5 0.5 0\n1.9 0.5 0.5 0\n"
 #define PAIR     "0 1 1 0 0.1 0.01 0.002\n"
 
-static void cells_as_text(void **state) {
-    (void)state;
+TEST_IN_FOLDER(cells_as_text) {
     sp_packing p;
     assert_ok(read_text(PERIODIC "1 0.5 0.5 0\n2.9 4.5 0.5 0\n" PAIR, &p, &err));
     assert_close(p.x[3], 1.9, 1e-15); /* one lattice vector (1, 4) lower */
@@ -216,8 +208,7 @@ static void cells_as_text(void **state) {
     sp_packing_free(&p);
 }
 
-static void wrong_texts_have_reasons(void **state) {
-    (void)state;
+TEST_IN_FOLDER(wrong_texts_have_reasons) {
     static const struct {
         const char *text, *reason;
     } wrong[] = {
@@ -259,8 +250,7 @@ static void wrong_texts_have_reasons(void **state) {
     }
 }
 
-static void every_truncated_text_fails(void **state) {
-    (void)state;
+TEST_IN_FOLDER(every_truncated_text_fails) {
     const char whole[] = HEADER GRAINS CONTACTS;
     for (size_t length = 0; length + 14 < sizeof whole; length++) { /* short of the last line's end */
         char part[sizeof whole];
@@ -273,8 +263,7 @@ static void every_truncated_text_fails(void **state) {
     }
 }
 
-static void missing_files_are_io(void **state) {
-    (void)state;
+TEST_IN_FOLDER(missing_files_are_io) {
     sp_packing p;
     assert_fails(sp_packing_read(fixture_path(folder, "nowhere.h5"), &p, &err), SP_EIO, "nowhere.h5 No such file");
     assert_fails(sp_packing_read(folder, &p, &err), SP_EIO, "Is a directory");
@@ -285,8 +274,7 @@ static void missing_files_are_io(void **state) {
 /* ---- no memory ------------------------------------------------------------------------------------------------- */
 
 /* Each allocation in turn fails: an error, no leak (the sanitizer's part), no file under the final name. */
-static void lack_of_memory_is_an_error(void **state) {
-    (void)state;
+TEST_IN_FOLDER(lack_of_memory_is_an_error) {
     sp_packing p = fixture_packing(9, 2, 20), q;
     assert_ok(sp_packing_save(&p, fixture_path(folder, "good.h5"), &err));
     assert_ok(sp_packing_save_text(&p, fixture_path(folder, "good.txt"), &err));
@@ -318,8 +306,7 @@ static void lack_of_memory_is_an_error(void **state) {
     sp_packing_free(&p);
 }
 
-static void wrong_packings_are_not_saved(void **state) {
-    (void)state;
+TEST_IN_FOLDER(wrong_packings_are_not_saved) {
     sp_packing p = fixture_packing(9, 2, 20);
     p.r[3] = NAN;
     assert_fails(sp_packing_save(&p, fixture_path(folder, "p.h5"), &err), SP_EFORMAT, "3");
@@ -328,22 +315,4 @@ static void wrong_packings_are_not_saved(void **state) {
     sp_packing_free(&p);
 }
 
-int main(void) {
-#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
-    const struct CMUnitTest tests[] = {
-        BETWEEN(every_bit_is_kept),
-        BETWEEN(cells_as_text),
-        BETWEEN(hdf5_keeps_large_packings),
-        BETWEEN(equal_packings_are_equal_files),
-        BETWEEN(tangential_scalar_survives),
-        BETWEEN(reference_packing_reads),
-        BETWEEN(reversed_contacts_turn_round),
-        BETWEEN(positions_are_wrapped),
-        BETWEEN(wrong_texts_have_reasons),
-        BETWEEN(every_truncated_text_fails),
-        BETWEEN(missing_files_are_io),
-        BETWEEN(lack_of_memory_is_an_error),
-        BETWEEN(wrong_packings_are_not_saved),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

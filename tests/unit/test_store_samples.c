@@ -45,8 +45,7 @@ static void assert_same_sample(const sp_sample *a, const sp_sample *b) {
     assert_same_bits("moduli", &a->moduli.c11, &b->moduli.c11, MODULI_NUMBERS);
 }
 
-static void saves_and_loads(void **state) {
-    (void)state;
+TEST_IN_FOLDER(saves_and_loads) {
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
@@ -97,8 +96,7 @@ static void saves_and_loads(void **state) {
 
 /* Fronts at planes, probes, moduli in three dimensions and what a signal was made with: bit for bit, through joins with
  * other parts too; and one sample by its name. */
-static void newer_parts_are_kept(void **state) {
-    (void)state;
+TEST_IN_FOLDER(newer_parts_are_kept) {
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
@@ -181,8 +179,7 @@ static void newer_parts_are_kept(void **state) {
 
 /* Frequencies stay when other parts join, new ones take the place of the old, and a sample whose old file has gone bad
  * has none. */
-static void frequencies_stay(void **state) {
-    (void)state;
+TEST_IN_FOLDER(frequencies_stay) {
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
@@ -225,8 +222,7 @@ static void frequencies_stay(void **state) {
     sp_store_close(store);
 }
 
-static void failures_are_kept(void **state) {
-    (void)state;
+TEST_IN_FOLDER(failures_are_kept) {
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
@@ -251,8 +247,7 @@ static void failures_are_kept(void **state) {
     sp_store_close(store);
 }
 
-static void samples_skip_what_is_damaged(void **state) {
-    (void)state;
+TEST_IN_FOLDER(samples_skip_what_is_damaged) {
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
@@ -292,8 +287,7 @@ static void samples_skip_what_is_damaged(void **state) {
     sp_store_close(store);
 }
 
-static void wrong_saves(void **state) {
-    (void)state;
+TEST_IN_FOLDER(wrong_saves) {
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
@@ -311,8 +305,7 @@ static void wrong_saves(void **state) {
     sp_store_close(store);
 }
 
-static void opening(void **state) {
-    (void)state;
+TEST_IN_FOLDER(opening) {
     sp_store *store;
     const char *new = fixture_path(folder, "new"), *file = fixture_path(folder, "file");
     assert_fails(sp_store_open(new, false, &store, &err), SP_EIO, "No such file");
@@ -342,8 +335,7 @@ static void opening(void **state) {
 }
 
 /* Processes that add different parts to the same sample at once: no part is lost. */
-static void processes_save_together(void **state) {
-    (void)state;
+TEST_IN_FOLDER(processes_save_together) {
     const unsigned part[] = {SP_WANT_CTOF, SP_WANT_STATICS, SP_WANT_MODULI};
     for (uint64_t round = 0; round < 10; round++) {
         for (int k = 0; k < 3; k++) {
@@ -393,8 +385,7 @@ static void *save_and_read(void *user) {
     return NULL;
 }
 
-static void threads_save_together(void **state) {
-    (void)state;
+TEST_IN_FOLDER(threads_save_together) {
     pthread_t thread[4];
     uint64_t id[4] = {0, 1, 2, 3};
     for (int k = 0; k < 4; k++)
@@ -406,8 +397,7 @@ static void threads_save_together(void **state) {
     }
 }
 
-static void lack_of_memory(void **state) {
-    (void)state;
+TEST_IN_FOLDER(lack_of_memory) {
     sp_store *store = NULL;
     sp_packing p = fixture_packing(1, 2, 20), q;
     sp_scene scene = sp_scene_default();
@@ -456,13 +446,4 @@ static void lack_of_memory(void **state) {
     sp_store_close(store);
 }
 
-int main(void) {
-#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
-    const struct CMUnitTest tests[] = {
-        BETWEEN(saves_and_loads),   BETWEEN(newer_parts_are_kept),         BETWEEN(frequencies_stay),
-        BETWEEN(failures_are_kept), BETWEEN(samples_skip_what_is_damaged), BETWEEN(wrong_saves),
-        BETWEEN(opening),           BETWEEN(processes_save_together),      BETWEEN(threads_save_together),
-        BETWEEN(lack_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -23,8 +23,7 @@ static void assert_text(const sp_table *t, sp_table_format format, const char *e
     sp_free(text);
 }
 
-static void texts(void **state) {
-    (void)state;
+TEST_IN_FOLDER(texts) {
     sp_table t = example();
     assert_text(&t, SP_TSV,
                 "# pressure = 0.0001\n# units: p [E*] c_l [sqrt(E* / rho)]\nfile\tp\tn\tc_l\n"
@@ -49,8 +48,7 @@ static void texts(void **state) {
 
 /* Two digits of an error, which say how many its value has: 3 where it is 24.7(1.3); six at
  * most, and where no error is known. Texts stand at the left; characters count, not bytes. */
-static void aligned(void **state) {
-    (void)state;
+TEST_IN_FOLDER(aligned) {
     static const struct {
         const char *file;
         double c, error;
@@ -112,8 +110,7 @@ static void aligned(void **state) {
     sp_table_free(&t);
 }
 
-static void tsv_round_trip(void **state) {
-    (void)state;
+TEST_IN_FOLDER(tsv_round_trip) {
     sp_table t = example(), back = sp_table_none();
     char *text = sp_table_text(&t, SP_TSV);
     const char *path = fixture_path(folder, "t.tsv");
@@ -142,8 +139,7 @@ static sp_status read_text(const char *text, sp_table *t, sp_error *err) {
     return sp_table_read(path, t, err);
 }
 
-static void lenient_reading(void **state) {
-    (void)state;
+TEST_IN_FOLDER(lenient_reading) {
     sp_table t;
     /* plain columns at any blanks, CRLF, blank lines, no newline at the end, a byte order mark */
     assert_ok(read_text("\xef\xbb\xbf# a comment\r\n\r\n 0  1.5\t\t-2e3\r\n   \n1\t2 3", &t, &err));
@@ -171,8 +167,7 @@ static void lenient_reading(void **state) {
     sp_table_free(&t);
 }
 
-static void reference_signal_reads(void **state) {
-    (void)state;
+TEST_IN_FOLDER(reference_signal_reads) {
     sp_table t;
     assert_ok(sp_table_read(SOURCE_DIR "/packings/reference/signal_N200_p1e-4.txt", &t, &err));
     assert_true(t.columns == 3 && t.rows > 100 && t.comments >= 3);
@@ -180,8 +175,7 @@ static void reference_signal_reads(void **state) {
     sp_table_free(&t);
 }
 
-static void refusals(void **state) {
-    (void)state;
+TEST_IN_FOLDER(refusals) {
     sp_table t;
     assert_fails(read_text("", &t, &err), SP_EFORMAT, "t.tsv");
     assert_fails(read_text("# only a comment\n", &t, &err), SP_EFORMAT, "t.tsv");
@@ -211,8 +205,7 @@ static void refusals(void **state) {
 }
 
 /* Arbitrary bytes: an error or a table, nothing else. */
-static void noise_is_survived(void **state) {
-    (void)state;
+TEST_IN_FOLDER(noise_is_survived) {
     static const char letters[] = "0123456789.-+eE \t\n\r#\\abnif[]:=,\"";
     uint64_t random = 2024;
     for (int k = 0; k < 3000; k++) {
@@ -231,8 +224,7 @@ static void noise_is_survived(void **state) {
     }
 }
 
-static void lack_of_memory(void **state) {
-    (void)state;
+TEST_IN_FOLDER(lack_of_memory) {
     sp_table t = example(), back;
     char *text = sp_table_text(&t, SP_TSV);
     const char *path = fixture_path(folder, "t.tsv");
@@ -263,8 +255,7 @@ static void lack_of_memory(void **state) {
 }
 
 /* The program around us may have set a locale with a decimal comma. */
-static void decimal_comma(void **state) {
-    (void)state;
+TEST_IN_FOLDER(decimal_comma) {
     if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "fr_FR.UTF-8"))
         skip(); /* none is installed */
     sp_table t = example(), back;
@@ -279,8 +270,7 @@ static void decimal_comma(void **state) {
 }
 
 /* As many columns as one likes (up to what a file may have), rows of numbers at once. */
-static void many_columns(void **state) {
-    (void)state;
+TEST_IN_FOLDER(many_columns) {
     enum { MANY = 1000 };
     sp_table t = sp_table_none(), back;
     double row[MANY];
@@ -311,8 +301,7 @@ static void many_columns(void **state) {
 }
 
 /* Each setter writes its comment line, and reading the file finds the same value. */
-static void metadata(void **state) {
-    (void)state;
+TEST_IN_FOLDER(metadata) {
     sp_table t = example(), back;
     double value = 0;
     assert_ok(sp_table_set_number(&t, "third", 1.0 / 3, 0, &err));
@@ -345,8 +334,7 @@ static void metadata(void **state) {
 }
 
 /* Lines that people or earlier versions wrote. */
-static void metadata_of_lines(void **state) {
-    (void)state;
+TEST_IN_FOLDER(metadata_of_lines) {
     sp_table t;
     double value = 0;
     assert_ok(read_text("# pressure = 0.25, grains = 1024, friction = 0.5\n"
@@ -367,21 +355,4 @@ static void metadata_of_lines(void **state) {
     sp_table_free(&t);
 }
 
-int main(void) {
-#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
-    const struct CMUnitTest tests[] = {
-        BETWEEN(texts),
-        BETWEEN(aligned),
-        BETWEEN(tsv_round_trip),
-        BETWEEN(lenient_reading),
-        BETWEEN(reference_signal_reads),
-        BETWEEN(refusals),
-        BETWEEN(noise_is_survived),
-        BETWEEN(lack_of_memory),
-        BETWEEN(decimal_comma),
-        BETWEEN(many_columns),
-        BETWEEN(metadata),
-        BETWEEN(metadata_of_lines),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -56,8 +56,7 @@ static notes verify(sp_store *store, int64_t names, const char (*name)[SP_NAME_M
     return n;
 }
 
-static void verdicts(void **state) {
-    (void)state;
+TEST_IN_FOLDER(verdicts) {
     char name[SAMPLES][SP_NAME_MAX], path[600], other[600];
     sp_store *store = chains(name);
     notes n = verify(store, -1, NULL);
@@ -103,8 +102,7 @@ static void verdicts(void **state) {
     sp_store_close(store);
 }
 
-static void records_and_retries(void **state) {
-    (void)state;
+TEST_IN_FOLDER(records_and_retries) {
     char path[600];
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
@@ -142,8 +140,7 @@ static bool add_statics(const sp_store_finding *f, void *user) {
     return f->verdict == SP_SOUND;
 }
 
-static void files_replaced_meanwhile(void **state) {
-    (void)state;
+TEST_IN_FOLDER(files_replaced_meanwhile) {
     char name[SAMPLES][SP_NAME_MAX];
     int files = 0;
     sp_store_close(chains(name));
@@ -162,8 +159,7 @@ static void files_replaced_meanwhile(void **state) {
     sp_store_close(store);
 }
 
-static void stopping_and_lack_of_memory(void **state) {
-    (void)state;
+TEST_IN_FOLDER(stopping_and_lack_of_memory) {
     char name[SAMPLES][SP_NAME_MAX];
     sp_store *store = chains(name);
     notes n = {.most = 2};
@@ -187,13 +183,4 @@ static void stopping_and_lack_of_memory(void **state) {
     sp_store_close(store);
 }
 
-int main(void) {
-#define BETWEEN(f) cmocka_unit_test_setup_teardown(f, make_folder, remove_folder)
-    const struct CMUnitTest tests[] = {
-        BETWEEN(verdicts),
-        BETWEEN(records_and_retries),
-        BETWEEN(files_replaced_meanwhile),
-        BETWEEN(stopping_and_lack_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

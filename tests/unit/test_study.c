@@ -22,8 +22,7 @@ static const char chains[] = "packing = { kind = \"chain\"; grains = 20; frictio
                              "{ key = \"packing.pressure\"; values = [1e-6, 1e-4]; },"
                              "{ key = \"packing.grains\"; values = [10, 20, 30]; } ); };";
 
-static void hash_of_known_texts(void **state) {
-    (void)state;
+TEST(hash_of_known_texts) {
     char name[SP_NAME_MAX];
     sp_hash128("", 0, name); /* the published values of FNV-1a, 128 bits */
     assert_string_equal(name, "6c62272e07bb014262b821756295c58d");
@@ -33,8 +32,7 @@ static void hash_of_known_texts(void **state) {
     assert_string_equal(name, "343e1662793c64bf6f0d3597ba446f18");
 }
 
-static void every_combination_has_its_first_seed_first(void **state) {
-    (void)state;
+TEST(every_combination_has_its_first_seed_first) {
     sp_scene study = parse(chains);
     assert_int_equal(sp_study_count(&study), 18);
     const double p[] = {1e-6, 1e-4};
@@ -59,8 +57,7 @@ static void every_combination_has_its_first_seed_first(void **state) {
     sp_scene_free(&study);
 }
 
-static void a_name_says_what_decides_the_numbers_and_no_more(void **state) {
-    (void)state;
+TEST(a_name_says_what_decides_the_numbers_and_no_more) {
     static const char *const deciding[] = {
         "packing.grains=21",      "packing.pressure=2e-4",      "packing.seed=6",           "packing.poisson=0.1",
         "packing.tolerance=1e-9", "network.threshold=2e-4",     "network.prestress=true",   "network.sliding_free=true",
@@ -234,8 +231,7 @@ static sp_table table_of(const char *name, const shelf *s) {
 
 /* ---- running ----------------------------------------------------------------------------------------------------- */
 
-static void threads_and_shards_change_nothing(void **state) {
-    (void)state;
+TEST(threads_and_shards_change_nothing) {
     sp_scene scene = parse(chains);
     shelf *one = shelf_new(), *many = shelf_new(), *parts = shelf_new();
     sp_study_progress done = run(&scene, one, 1, 1, 1);
@@ -267,8 +263,7 @@ static void threads_and_shards_change_nothing(void **state) {
     sp_scene_free(&scene);
 }
 
-static void only_what_is_missing_is_made(void **state) {
-    (void)state;
+TEST(only_what_is_missing_is_made) {
     sp_scene scene = parse(chains);
     shelf *s = shelf_new();
     scene.samples = 1;
@@ -323,8 +318,7 @@ static bool watch(const sp_study_progress *now, void *user) {
     return now->done < g->stop_at;
 }
 
-static void stopping_keeps_what_is_finished(void **state) {
-    (void)state;
+TEST(stopping_keeps_what_is_finished) {
     /* packings that take for ever: given up within moments, and not saved */
     sp_scene scene = parse("packing = { grains = 5000; width = 100; pressure = 1e-7; }; study = { samples = 4; };");
     shelf *s = shelf_new();
@@ -347,8 +341,7 @@ static void stopping_keeps_what_is_finished(void **state) {
     shelf_free(s);
 }
 
-static void a_failed_packing_is_recorded(void **state) {
-    (void)state;
+TEST(a_failed_packing_is_recorded) {
     sp_scene scene = parse("packing = { grains = 30; width = 6; max_steps = 20; };"
                            "study = { samples = 2; want = [\"ctof\", \"statics\"]; };");
     shelf *s = shelf_new();
@@ -372,8 +365,7 @@ static void a_failed_packing_is_recorded(void **state) {
     sp_scene_free(&scene);
 }
 
-static void a_failed_part_leaves_the_others(void **state) {
-    (void)state;
+TEST(a_failed_part_leaves_the_others) {
     /* no contact carries ten times the load: no network, hence no front */
     sp_scene scene = parse("packing = { kind = \"chain\"; grains = 20; friction = 0; };"
                            "study = { want = [\"ctof\", \"statics\"]; };");
@@ -395,8 +387,7 @@ static void a_failed_part_leaves_the_others(void **state) {
 }
 
 /* What could not be made of a signal says nothing of a signal with other keys. */
-static void a_lacking_signal_is_one_of_its_keys(void **state) {
-    (void)state;
+TEST(a_lacking_signal_is_one_of_its_keys) {
     sp_scene scene = parse("packing = { kind = \"chain\"; grains = 20; friction = 0; };"
                            "study = { want = [\"ctof\", \"signal\"]; };");
     scene.network.threshold = 10;
@@ -420,8 +411,7 @@ static int64_t every_third(void *user) {
     return *next < 18 ? *next : -1;
 }
 
-static void numbers_given_from_outside(void **state) {
-    (void)state;
+TEST(numbers_given_from_outside) {
     sp_scene scene = parse(chains);
     shelf *whole = shelf_new(), *s = shelf_new();
     run(&scene, whole, 2, 1, 1);
@@ -501,8 +491,7 @@ static sp_status neighbour_save(void *user, const sp_scene *scene, const sp_samp
     return shelf_save(((neighbour *)user)->own, scene, sample, packing, arrays, out);
 }
 
-static void samples_of_a_neighbour_come_last(void **state) {
-    (void)state;
+TEST(samples_of_a_neighbour_come_last) {
     sp_scene scene = parse(chains);
     neighbour n = {.own = shelf_new(), .theirs = NULL};
     shelf *whole = shelf_new();
@@ -530,8 +519,7 @@ static void samples_of_a_neighbour_come_last(void **state) {
     sp_scene_free(&scene);
 }
 
-static void a_sink_that_fails_ends_the_study(void **state) {
-    (void)state;
+TEST(a_sink_that_fails_ends_the_study) {
     sp_scene scene = parse(chains);
     shelf *s = shelf_new();
     s->fail_at = 5;
@@ -545,8 +533,7 @@ static void a_sink_that_fails_ends_the_study(void **state) {
     sp_scene_free(&scene);
 }
 
-static void wrong_runs(void **state) {
-    (void)state;
+TEST(wrong_runs) {
     sp_scene scene = parse(chains);
     shelf *s = shelf_new();
     sp_study_sink sink = sink_of(s), none = {0};
@@ -576,8 +563,7 @@ static void wrong_runs(void **state) {
 /* ---- one sample -------------------------------------------------------------------------------------------------- */
 
 /* Every allocation that a sample needs may fail: a reason each time, nothing leaks, nothing is half there. */
-static void a_sample_without_memory(void **state) {
-    (void)state;
+TEST(a_sample_without_memory) {
     sp_scene scene = parse(chains);
     sp_status status = SP_ENOMEM;
     int64_t failures = 0;
@@ -605,8 +591,7 @@ static void a_sample_without_memory(void **state) {
 }
 
 /* A lack of memory goes before a part that is refused: what is missing then is no property of the sample. */
-static void a_refused_part_without_memory(void **state) {
-    (void)state;
+TEST(a_refused_part_without_memory) {
     sp_scene scene = parse(chains);
     scene.network.threshold = 10;
     int lacking = 0;
@@ -627,8 +612,7 @@ static void a_refused_part_without_memory(void **state) {
     sp_scene_free(&scene);
 }
 
-static void a_study_without_memory(void **state) {
-    (void)state;
+TEST(a_study_without_memory) {
     sp_scene scene = parse(chains);
     scene.samples = 1;
     sp_status status = SP_ENOMEM;
@@ -651,8 +635,7 @@ static void a_study_without_memory(void **state) {
 
 /* A chain's front is known: the Airy front (16) of [S] gives its arrival at the far wall within the grid's error of a
  * dense eigensolution; here, the marks on the default grid against those on a grid 50 times finer. */
-static void marks_on_the_default_grid(void **state) {
-    (void)state;
+TEST(marks_on_the_default_grid) {
     assert_relative(sp_front_spacing(1e-10) / sp_front_spacing(1e-4), 10.0, 1e-12); /* times go as p^(-1/6) */
     const double pressure[] = {1e-7, 1e-4};
     for (int k = 0; k < 2; k++)
@@ -689,25 +672,4 @@ static void marks_on_the_default_grid(void **state) {
         }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hash_of_known_texts),
-        cmocka_unit_test(every_combination_has_its_first_seed_first),
-        cmocka_unit_test(a_name_says_what_decides_the_numbers_and_no_more),
-        cmocka_unit_test(threads_and_shards_change_nothing),
-        cmocka_unit_test(only_what_is_missing_is_made),
-        cmocka_unit_test(stopping_keeps_what_is_finished),
-        cmocka_unit_test(a_failed_packing_is_recorded),
-        cmocka_unit_test(a_failed_part_leaves_the_others),
-        cmocka_unit_test(a_lacking_signal_is_one_of_its_keys),
-        cmocka_unit_test(numbers_given_from_outside),
-        cmocka_unit_test(samples_of_a_neighbour_come_last),
-        cmocka_unit_test(a_sink_that_fails_ends_the_study),
-        cmocka_unit_test(wrong_runs),
-        cmocka_unit_test(a_sample_without_memory),
-        cmocka_unit_test(a_refused_part_without_memory),
-        cmocka_unit_test(a_study_without_memory),
-        cmocka_unit_test(marks_on_the_default_grid),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -42,8 +42,7 @@ static int release(void **state) {
 /* ---- planes ------------------------------------------------------------------------------------------------------ */
 
 /* Each plane by itself: its own signal, up to the end of its own window. */
-static void planes_one_by_one(void **state) {
-    (void)state;
+TEST(planes_one_by_one) {
     sp_scene scene = parse(NULL);
     sp_sample s = {0};
     assert_ok(sp_sample_make(&scene, SP_WANT_PLANES, &packing, &s, NULL, &err));
@@ -80,8 +79,7 @@ static void planes_one_by_one(void **state) {
     sp_scene_free(&scene);
 }
 
-static void other_planes_are_made_anew(void **state) {
-    (void)state;
+TEST(other_planes_are_made_anew) {
     sp_scene scene = parse(NULL), other = parse("signal.planes=3,5"), outside = parse("signal.planes=0.5,3,7.5,12");
     sp_sample s = {0};
     assert_ok(sp_sample_make(&scene, SP_WANT_PLANES, &packing, &s, NULL, &err));
@@ -101,8 +99,7 @@ static void other_planes_are_made_anew(void **state) {
     sp_scene_free(&outside);
 }
 
-static void planes_without_fronts(void **state) {
-    (void)state;
+TEST(planes_without_fronts) {
     sp_scene scene = parse("signal.planes=500,600");
     sp_sample s = {0};
     assert_ok(sp_sample_make(&scene, SP_WANT_PLANES, &packing, &s, NULL, &err)); /* none inside: nothing to find */
@@ -118,8 +115,7 @@ static void planes_without_fronts(void **state) {
 
 /* ---- the signal -------------------------------------------------------------------------------------------------- */
 
-static void another_signal_is_made_anew(void **state) {
-    (void)state;
+TEST(another_signal_is_made_anew) {
     sp_scene scene = parse(NULL);
     sp_sample s = {0};
     sp_sample_arrays arrays = sp_sample_arrays_none();
@@ -156,8 +152,7 @@ static void another_signal_is_made_anew(void **state) {
 /* ---- the spectrum ------------------------------------------------------------------------------------------------ */
 
 /* The frequencies are those of the dense solver, but for the rattlers' zero modes; nothing else is made. */
-static void every_frequency(void **state) {
-    (void)state;
+TEST(every_frequency) {
     sp_scene scene = parse(NULL);
     sp_sample s = {0};
     sp_sample_arrays arrays = sp_sample_arrays_none();
@@ -193,8 +188,7 @@ static void every_frequency(void **state) {
     sp_scene_free(&scene);
 }
 
-static void no_frequency(void **state) {
-    (void)state;
+TEST(no_frequency) {
     sp_scene scene = parse(NULL);
     scene.network.threshold = 50; /* no network */
     scene.want = SP_WANT_SPECTRUM | SP_WANT_STATICS;
@@ -214,8 +208,7 @@ static void no_frequency(void **state) {
 
 /* ---- probes ------------------------------------------------------------------------------------------------------ */
 
-static void probes_beside_moduli(void **state) {
-    (void)state;
+TEST(probes_beside_moduli) {
     sp_scene scene = parse(NULL);
     sp_sample both = {0}, one = {0};
     assert_ok(sp_sample_make(&scene, SP_WANT_PROBES | SP_WANT_MODULI, &packing, &both, NULL, &err));
@@ -242,8 +235,7 @@ static void probes_beside_moduli(void **state) {
     sp_scene_free(&scene);
 }
 
-static void wants_and_parts(void **state) {
-    (void)state;
+TEST(wants_and_parts) {
     assert_int_equal(sp_want_parts(SP_WANT_SCALING), SP_WANT_CTOF);
     assert_int_equal(sp_want_parts(SP_WANT_SCALING | SP_WANT_PLANES), SP_WANT_CTOF | SP_WANT_PLANES);
     assert_int_equal(sp_want_parts(SP_WANT_MODULI), SP_WANT_MODULI);
@@ -255,8 +247,7 @@ static void wants_and_parts(void **state) {
     sp_scene_free(&scene);
 }
 
-static void lack_of_memory(void **state) {
-    (void)state;
+TEST(lack_of_memory) {
     sp_scene scene = parse(NULL);
     sp_status status = SP_ENOMEM;
     for (int64_t k = 0; status != SP_OK; k += 1 + k / 8) {
@@ -274,13 +265,4 @@ static void lack_of_memory(void **state) {
     sp_scene_free(&scene);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(planes_one_by_one),     cmocka_unit_test(other_planes_are_made_anew),
-        cmocka_unit_test(planes_without_fronts), cmocka_unit_test(another_signal_is_made_anew),
-        cmocka_unit_test(every_frequency),       cmocka_unit_test(no_frequency),
-        cmocka_unit_test(probes_beside_moduli),  cmocka_unit_test(wants_and_parts),
-        cmocka_unit_test(lack_of_memory),
-    };
-    return cmocka_run_group_tests(tests, make, release);
-}
+RUN_TESTS(make, release)

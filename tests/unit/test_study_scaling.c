@@ -57,8 +57,7 @@ static void make_up(sp_sample s[MADE]) {
                     s[n++] = made_up(p ? 1e-4 : 1e-6, width, h, seed);
 }
 
-static void a_row_a_height(void **state) {
-    (void)state;
+TEST(a_row_a_height) {
     sp_sample s[MADE];
     make_up(s);
     sp_table t = sp_table_none();
@@ -102,8 +101,7 @@ static void a_row_a_height(void **state) {
     sp_table_free(&t);
 }
 
-static void a_row_a_plane(void **state) {
-    (void)state;
+TEST(a_row_a_plane) {
     sp_sample s[MADE];
     make_up(s);
     for (int k = 0; k < MADE; k++)
@@ -134,8 +132,7 @@ static void a_row_a_plane(void **state) {
 
 /* Times of planes that scatter: alike in all planes of a packing they leave the speed alone, by themselves they do not.
  */
-static void intervals_of_speeds(void **state) {
-    (void)state;
+TEST(intervals_of_speeds) {
     static const double off[SEEDS] = {0.5, -0.5, -0.3, 0.3};
     sp_sample s[MADE];
     for (int own = 0; own < 2; own++) {
@@ -160,8 +157,7 @@ static void intervals_of_speeds(void **state) {
     }
 }
 
-static void means_of_probes(void **state) {
-    (void)state;
+TEST(means_of_probes) {
     sp_sample s[MADE];
     int n = 0;
     for (int seed = 1; seed <= SEEDS; seed++)
@@ -201,8 +197,7 @@ static void means_of_probes(void **state) {
     sp_table_free(&t);
 }
 
-static void what_is_refused_and_left_out(void **state) {
-    (void)state;
+TEST(what_is_refused_and_left_out) {
     sp_sample s[MADE + 1];
     sp_table t = sp_table_none();
     make_up(s);
@@ -226,8 +221,7 @@ static void what_is_refused_and_left_out(void **state) {
     sp_table_free(&t);
 }
 
-static void in_any_order(void **state) {
-    (void)state;
+TEST(in_any_order) {
     sp_sample s[MADE], turned[MADE];
     make_up(s);
     for (int k = 0; k < MADE; k++) {
@@ -250,8 +244,7 @@ static void in_any_order(void **state) {
     }
 }
 
-static void tables_without_memory(void **state) {
-    (void)state;
+TEST(tables_without_memory) {
     static const char *const names[] = {"scaling", "planes", "probes"};
     sp_sample s[SEEDS * 3];
     int count = 0;
@@ -275,8 +268,7 @@ static void tables_without_memory(void **state) {
 }
 
 /* Lattices and packings of the same box are no rows of one group, and have no common means. */
-static void kinds_are_kept_apart(void **state) {
-    (void)state;
+TEST(kinds_are_kept_apart) {
     sp_sample s[MADE];
     sp_table t = sp_table_none();
     make_up(s);
@@ -296,16 +288,4 @@ static void kinds_are_kept_apart(void **state) {
     assert_fails(sp_study_table("moduli", 2, s, NULL, &t, &err), SP_EREFUSED, "packing.kind");
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_row_a_height),
-        cmocka_unit_test(a_row_a_plane),
-        cmocka_unit_test(intervals_of_speeds),
-        cmocka_unit_test(means_of_probes),
-        cmocka_unit_test(what_is_refused_and_left_out),
-        cmocka_unit_test(in_any_order),
-        cmocka_unit_test(tables_without_memory),
-        cmocka_unit_test(kinds_are_kept_apart),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

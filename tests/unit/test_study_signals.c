@@ -27,8 +27,7 @@ static sp_signal_average sum_up(int first, int step) {
 }
 
 /* Direct sums in long double. Rounding of 40 updates is below 40 eps of the numbers, here below 2. */
-static void the_same_as_direct_sums(void **state) {
-    (void)state;
+TEST(the_same_as_direct_sums) {
     fill(0);
     sp_signal_average s = sum_up(0, 1);
     assert_int_equal(s.points, POINTS);
@@ -47,8 +46,7 @@ static void the_same_as_direct_sums(void **state) {
     sp_signal_average_free(&s);
 }
 
-static void order_is_rounding(void **state) {
-    (void)state;
+TEST(order_is_rounding) {
     fill(0);
     sp_signal_average a = sum_up(0, 1), b = sum_up(5, 3), c = sum_up(SIGNALS - 1, SIGNALS - 1);
     for (int k = 0; k < POINTS; k++) {
@@ -63,8 +61,7 @@ static void order_is_rounding(void **state) {
 }
 
 /* The difference of sums of squares would keep none of the scatter: 1e8 squared has 16 digits before it. */
-static void scatter_beside_a_large_offset(void **state) {
-    (void)state;
+TEST(scatter_beside_a_large_offset) {
     fill(0);
     sp_signal_average small = sum_up(0, 1);
     fill(1e8);
@@ -75,8 +72,7 @@ static void scatter_beside_a_large_offset(void **state) {
     sp_signal_average_free(&large);
 }
 
-static void few_signals(void **state) {
-    (void)state;
+TEST(few_signals) {
     sp_signal_average s = sp_signal_average_none();
     const double t[] = {0, 1}, one[] = {1, -2}, two[] = {4, NAN};
     assert_true(isnan(sp_signal_average_rms(&s, 0)) && isnan(sp_signal_average_mean_err(&s, 0)));
@@ -92,8 +88,7 @@ static void few_signals(void **state) {
     sp_signal_average_free(&s);
 }
 
-static void other_times_are_refused(void **state) {
-    (void)state;
+TEST(other_times_are_refused) {
     sp_signal_average s = sp_signal_average_none();
     const double t[] = {0, 10, 20}, f[] = {1, 2, 3}, near[] = {1e-12, 10 - 1e-12, 20 + 1e-11};
     const double far[] = {0, 10 + 1e-10, 20}, begin[] = {1e-10, 10, 20}, nan[] = {0, NAN, 20}, end[] = {0, 10, NAN};
@@ -111,8 +106,7 @@ static void other_times_are_refused(void **state) {
     sp_signal_average_free(&s);
 }
 
-static void no_memory(void **state) {
-    (void)state;
+TEST(no_memory) {
     sp_signal_average s = sp_signal_average_none();
     const double t[] = {0, 1}, f[] = {1, 2};
     sp_alloc_fail_after(0);
@@ -123,10 +117,4 @@ static void no_memory(void **state) {
     sp_signal_average_free(&s);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_same_as_direct_sums),       cmocka_unit_test(order_is_rounding),
-        cmocka_unit_test(scatter_beside_a_large_offset), cmocka_unit_test(few_signals),
-        cmocka_unit_test(other_times_are_refused),       cmocka_unit_test(no_memory)};
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -22,8 +22,7 @@ static void make_up(sp_random *r, bool joint, double distance[2][N], double time
 }
 
 /* 95% to four standard deviations of so many trials, and half a percent for skewed samples. */
-static void coverage_of_the_speed(void **state) {
-    (void)state;
+TEST(coverage_of_the_speed) {
     const uint64_t seed = 12;
     print_message("seed %llu\n", (unsigned long long)seed);
     for (int joint = 0; joint < 2; joint++) {
@@ -47,8 +46,7 @@ static void coverage_of_the_speed(void **state) {
     }
 }
 
-static void where_there_is_no_speed(void **state) {
-    (void)state;
+TEST(where_there_is_no_speed) {
     const double distance[2][2] = {{8, 8}, {25, 25}}, time[3][2] = {{30, 32}, {90, 91}, {NAN, NAN}};
     const sp_arrivals near = {2, distance[0], time[0]}, far = {2, distance[1], time[1]},
                       one = {1, distance[1], time[1]}, never = {2, distance[1], time[2]};
@@ -66,10 +64,4 @@ static void where_there_is_no_speed(void **state) {
         }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(coverage_of_the_speed),
-        cmocka_unit_test(where_there_is_no_speed),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

@@ -66,8 +66,7 @@ static double cell(const sp_table *t, int64_t row, const char *column) {
     return sp_table_number(t, row, c);
 }
 
-static void table_of_speeds(void **state) {
-    (void)state;
+TEST(table_of_speeds) {
     sp_sample s[MADE];
     make_up(s);
     sp_table t = sp_table_none();
@@ -100,8 +99,7 @@ static void table_of_speeds(void **state) {
 }
 
 /* Arrival times that scatter by dt: the error of c = dH/dT is c sqrt(2 dt^2/n)/T. */
-static void error_of_the_speed(void **state) {
-    (void)state;
+TEST(error_of_the_speed) {
     sp_sample s[MADE];
     make_up(s);
     for (int k = 0; k < MADE; k++)
@@ -138,8 +136,7 @@ static void error_of_the_speed(void **state) {
     sp_table_free(&t);
 }
 
-static void any_order_of_samples(void **state) {
-    (void)state;
+TEST(any_order_of_samples) {
     static const char *const names[] = {"ctof", "statics", "moduli", "ensemble"};
     sp_sample s[MADE], mixed[MADE + 3];
     make_up(s);
@@ -174,8 +171,7 @@ static void any_order_of_samples(void **state) {
     }
 }
 
-static void groups_with_holes(void **state) {
-    (void)state;
+TEST(groups_with_holes) {
     sp_sample s[MADE];
     make_up(s);
     for (int k = 0; k < MADE; k++) {
@@ -239,8 +235,7 @@ static void groups_with_holes(void **state) {
 }
 
 /* The highest boxes that have fronts count, however many they are. */
-static void three_sizes(void **state) {
-    (void)state;
+TEST(three_sizes) {
     sp_sample s[16];
     int n = 0;
     for (int seed = 1; seed <= 9; seed++)
@@ -271,8 +266,7 @@ static void three_sizes(void **state) {
 }
 
 /* Other sizes, another protocol: whatever the seeds. Files that do not say are taken as they are. */
-static void unlike_materials(void **state) {
-    (void)state;
+TEST(unlike_materials) {
     static const char *const names[] = {"ctof", "scaling", "planes", "statics", "moduli", "probes"};
     sp_sample s[MADE];
     make_up(s);
@@ -293,8 +287,7 @@ static void unlike_materials(void **state) {
     sp_table_free(&t);
 }
 
-static void table_of_means(void **state) {
-    (void)state;
+TEST(table_of_means) {
     sp_sample s[MADE];
     make_up(s);
     sp_table t = sp_table_none();
@@ -339,8 +332,7 @@ static void table_of_means(void **state) {
 }
 
 /* A level more is a wider interval; means and errors stay. */
-static void levels_of_intervals(void **state) {
-    (void)state;
+TEST(levels_of_intervals) {
     static const struct {
         const char *table, *low, *high, *rest;
     } all[] = {{"ctof", "c_tof_low", "c_tof_high", "c_tof_err"},
@@ -379,8 +371,7 @@ static void levels_of_intervals(void **state) {
     }
 }
 
-static void what_is_not_averaged(void **state) {
-    (void)state;
+TEST(what_is_not_averaged) {
     sp_sample s[MADE];
     sp_table t = sp_table_none();
     make_up(s);
@@ -400,8 +391,7 @@ static void what_is_not_averaged(void **state) {
     assert_null(t.cells);
 }
 
-static void tables_without_memory(void **state) {
-    (void)state;
+TEST(tables_without_memory) {
     static const char *const names[] = {"ctof", "statics", "moduli", "ensemble"};
     sp_sample s[MADE];
     make_up(s);
@@ -424,13 +414,4 @@ static void tables_without_memory(void **state) {
     }
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(table_of_speeds),      cmocka_unit_test(error_of_the_speed),
-        cmocka_unit_test(any_order_of_samples), cmocka_unit_test(groups_with_holes),
-        cmocka_unit_test(three_sizes),          cmocka_unit_test(unlike_materials),
-        cmocka_unit_test(table_of_means),       cmocka_unit_test(levels_of_intervals),
-        cmocka_unit_test(what_is_not_averaged), cmocka_unit_test(tables_without_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

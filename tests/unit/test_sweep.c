@@ -67,8 +67,7 @@ static void is_swept(const char *text, const char *expected) {
 
 /* ---- values ----------------------------------------------------------------------------------------------------- */
 
-static void words_booleans_and_lists(void **state) {
-    (void)state;
+TEST(words_booleans_and_lists) {
     is_swept("study = { sweep = ( { key = \"packing.sizes\"; values = [\"uniform\", \"bidisperse\"]; },"
              "{ key = \"network.prestress\"; values = [false, true]; },"
              "{ key = \"signal.source\"; values = [\"velocity\", \"impulse\"]; },"
@@ -80,8 +79,7 @@ static void words_booleans_and_lists(void **state) {
              "packing.diameters=[1, 1.1]|[1.1, 0.9, 1]");
 }
 
-static void samples_get_the_values(void **state) {
-    (void)state;
+TEST(samples_get_the_values) {
     sp_scene s = parsed("packing = { seed = 7; history = [1e-5]; }; study = { samples = 2; sweep = ("
                         "{ key = \"packing.history\"; values = ( [1e-3, 1e-4], [] ); },"
                         "{ key = \"packing.compression\"; values = [\"isotropic\", \"piston\"]; },"
@@ -103,8 +101,7 @@ static void samples_get_the_values(void **state) {
     sp_scene_free(&s);
 }
 
-static void each_kind_has_its_dimension(void **state) {
-    (void)state;
+TEST(each_kind_has_its_dimension) {
     static const char *const first[] = {"\"piston\", \"chain\", \"triangular\"",
                                         "\"chain\", \"triangular\", \"piston\""};
     for (int k = 0; k < 2; k++) {
@@ -127,8 +124,7 @@ static void each_kind_has_its_dimension(void **state) {
 }
 
 /* What only the scene's own packing lacks is no matter of a study. */
-static void combinations_count(void **state) {
-    (void)state;
+TEST(combinations_count) {
     const char *text =
         "packing = { sizes = \"list\"; grains = 3; kind = \"chain\"; };"
         "study = { sweep = ( { key = \"packing.diameters\"; values = ( [1, 1, 1], [1, 1, 1.1] ); } ); };";
@@ -139,8 +135,7 @@ static void combinations_count(void **state) {
     sp_scene_free(&s);
 }
 
-static void seeds(void **state) {
-    (void)state;
+TEST(seeds) {
     sp_scene s = parsed("packing = { seed = [100, 1]; }; study = { samples = 99; };");
     check_sweeps(&s, "packing.seed=100|1");
     sp_scene one;
@@ -158,8 +153,7 @@ static void seeds(void **state) {
 
 /* ---- ranges ----------------------------------------------------------------------------------------------------- */
 
-static void ranges(void **state) {
-    (void)state;
+TEST(ranges) {
     is_swept("packing = { pressure = { from = 1e-7; to = 1e-4; count = 4; spacing = \"log\"; }; };",
              "packing.pressure=1e-07|1e-06|1e-05|0.0001");
     is_swept("packing = { friction = { from = 0; to = 0.5; step = 0.1; }; };",
@@ -179,8 +173,7 @@ static void ranges(void **state) {
 }
 
 /* Ends to the bit; what lies between, to two units in the last place of a formula in another arithmetic. */
-static void ranges_are_exact(void **state) {
-    (void)state;
+TEST(ranges_are_exact) {
     const double from = 1.0 / 3 * 1e-9, to = 0.00987654321012345678;
     char text[200];
     for (int log_ = 0; log_ < 2; log_++) {
@@ -202,8 +195,7 @@ static void ranges_are_exact(void **state) {
 }
 
 /* Every number of few digits that a range goes through is met to the bit. */
-static void neat_values_are_met(void **state) {
-    (void)state;
+TEST(neat_values_are_met) {
     char text[200], value[32];
     for (int low = -10; low < -2; low++)
         for (int high = low + 1; high <= -2; high++)
@@ -236,8 +228,7 @@ static void neat_values_are_met(void **state) {
 
 /* ---- keys that are given lists or ranges ------------------------------------------------------------------------ */
 
-static void lists_in_the_place_of_values(void **state) {
-    (void)state;
+TEST(lists_in_the_place_of_values) {
     const char *text = "packing = { pressure = [1e-7, 1e-4]; friction = { from = 0; to = 0.5; count = 2; };"
                        "sizes = [\"bidisperse\", \"uniform\"]; }; network = { prestress = [true]; };"
                        "study = { sweep = ( { key = \"packing.grains\"; values = [200, 600]; } ); };";
@@ -251,8 +242,7 @@ static void lists_in_the_place_of_values(void **state) {
     sp_scene_free(&s);
 }
 
-static void overrides(void **state) {
-    (void)state;
+TEST(overrides) {
     const char *text = "packing = { pressure = [1e-7, 1e-4]; friction = [0, 0.5]; };"
                        "study = { sweep = ( { key = \"packing.grains\"; values = [200, 600]; } ); };";
     static const char *const sets[][2] = {
@@ -293,8 +283,7 @@ static void overrides(void **state) {
 
 /* ---- the functions alone ---------------------------------------------------------------------------------------- */
 
-static void take_and_text(void **state) {
-    (void)state;
+TEST(take_and_text) {
     double pressures[] = {1e-6, -1}, words[] = {1, 77}, list[] = {1e-3, 0.1, 1e-4};
     int32_t begin[] = {0, 0, 1, 3};
     char buf[64], small[11];
@@ -331,8 +320,7 @@ static void take_and_text(void **state) {
 }
 
 /* Every allocation fails once: a reason, no leak (the sanitizers look), nothing written. */
-static void lack_of_memory(void **state) {
-    (void)state;
+TEST(lack_of_memory) {
     char set[] = "packing.friction=[0.1, 0.2]", again[] = "packing.pressure=1e-4", want[] = "study.want=ctof",
          mass[] = "column.mass=[1, 2]", radius[] = "column.radius=2", *list[] = {set, again, want, mass, radius};
     const char *text =
@@ -353,20 +341,4 @@ static void lack_of_memory(void **state) {
     assert_true(failures >= 19);
 }
 
-int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(words_booleans_and_lists),
-        cmocka_unit_test(samples_get_the_values),
-        cmocka_unit_test(each_kind_has_its_dimension),
-        cmocka_unit_test(combinations_count),
-        cmocka_unit_test(seeds),
-        cmocka_unit_test(ranges),
-        cmocka_unit_test(ranges_are_exact),
-        cmocka_unit_test(neat_values_are_met),
-        cmocka_unit_test(lists_in_the_place_of_values),
-        cmocka_unit_test(overrides),
-        cmocka_unit_test(take_and_text),
-        cmocka_unit_test(lack_of_memory),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS(NULL, NULL)

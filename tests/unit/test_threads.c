@@ -201,8 +201,7 @@ static void compare(const outcome *made, const outcome *alone, int job) {
             fail_msg("job %d: byte %zu of %zu differs", job, k, made->size);
 }
 
-static void threads_make_what_one_makes(void **state) {
-    (void)state;
+TEST(threads_make_what_one_makes) {
     static worker team[THREADS];
     outcome alone[JOBS];
     char folder[] = "/tmp/sonopack-threads-XXXXXX";
@@ -259,8 +258,7 @@ static void *read_it(void *data) {
     return NULL;
 }
 
-static void threads_share_a_network(void **state) {
-    (void)state;
+TEST(threads_share_a_network) {
     static reader team[THREADS];
     const sp_pack_spec spec = spec_of(0);
     const sp_network_options options = sp_network_options_default();
@@ -294,9 +292,5 @@ static void use_one_blas_thread(void) {
 
 int main(void) {
     use_one_blas_thread();
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(threads_make_what_one_makes),
-        cmocka_unit_test(threads_share_a_network),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return _cmocka_run_group_tests("tests", test_all, test_count, NULL, NULL);
 }
