@@ -61,9 +61,7 @@ class Network:
                 for end, sign in ((i, -1), (j, 1)):
                     normal[3 * row[end]:3 * row[end] + 2] += sign * np.array([nx, ny])
                     across[3 * row[end]:3 * row[end] + 2] += sign * np.array([-ny, nx])
-                gap = length * np.array([nx, ny])  # affine displacements of j against i: xx, yy, and shear u_x = y
-                gaps = np.array([[gap[0], 0], [0, gap[1]], [gap[1], 0]])
-                self.tilts.append((-ft / length, normal, across, gaps @ [nx, ny], gaps @ [-ny, nx]))
+                self.tilts.append((-ft / length, normal, across))
             for axis, k, turns in rows:
                 b = np.zeros(size)
                 b[3 * row[i]:3 * row[i] + 2] = -axis
@@ -89,7 +87,7 @@ class Network:
         self.c, self.walls, self.ends = np.array(self.c), np.array(self.walls), np.array(self.ends)
         self.matrix = self.b.T @ (self.k[:, None] * self.b)
         self.turned = self.matrix.copy()  # what is not symmetric
-        for tilt, normal, across, _, _ in self.tilts:
+        for tilt, normal, across in self.tilts:
             self.turned += tilt * np.outer(normal, across)
 
     @functools.cached_property
@@ -113,36 +111,6 @@ class Network:
     @functools.cached_property
     def turned_modes(self):
         return scipy.linalg.eig(self.turned / self.mass[:, None])
-
-    def turned_signal(self, source, t):
-        """By the eigenvectors of the matrix that is not symmetric, right and left."""
-        squares, vectors = self.turned_modes
-        omega = np.sqrt(squares)
-        sent = np.linalg.solve(vectors, self.source / (self.mass if source == "impulse" else 1))
-        seen = self.detector @ vectors
-        if source == "displacement":
-            return (np.cos(np.outer(t, omega)) @ (sent * seen)).real
-        return (np.sin(np.outer(t, omega)) @ (sent * seen / omega)).real
-
-    def turned_moduli(self):
-        load = self.b.T @ (self.k[:, None] * self.affine)
-        for tilt, normal, _, _, side in self.tilts:
-            load += tilt * np.outer(normal, side)
-        relaxed = np.linalg.solve(self.turned, -load)
-        stress = self.affine.T @ (self.k[:, None] * (self.b @ relaxed + self.affine))
-        for tilt, _, across, along, side in self.tilts:
-            stress += tilt * np.outer(along, side + across @ relaxed)
-        return stress / (self.width * self.height)
-
-    def signal(self, source, t):
-        if self.tilts:
-            return self.turned_signal(source, t)
-        root, omega = np.sqrt(self.mass), np.sqrt(self.squares)
-        sent = self.vectors.T @ (self.source / root if source == "impulse" else self.source * root)
-        seen = self.vectors.T @ (self.detector / root)
-        if source == "displacement":
-            return np.cos(np.outer(t, omega)) @ (sent * seen)
-        return np.sin(np.outer(t, omega)) @ (sent * seen / omega)
 
     def moduli(self):
         relaxed = np.linalg.solve(self.matrix, -self.b.T @ (self.k[:, None] * self.affine))
@@ -169,17 +137,3 @@ class Network:
         for grain in np.flatnonzero(self.centre[:, 1] > height):
             above[3 * grain + axis] = 1
         return -(above @ self.b.T * k) @ self.b + self.wall(-2, axis, stiffness=stiffness)
-
-    def motion(self, zeta):
-        """(u, v)' = G (u, v): the first-order form with dashpots of zeta times the critical constants."""
-        size = len(self.mass)
-        damping = self.b.T @ (zeta * self.c[:, None] * self.b)
-        return np.block([[np.zeros((size, size)), np.eye(size)],
-                         [-self.matrix / self.mass[:, None], -damping / self.mass[:, None]]])
-
-    def damped(self, zeta, momenta, rows, t):
-        """Force rows (on u, on v) after momenta at t = 0, by the eigenvectors of the motion."""
-        rates, vectors = scipy.linalg.eig(self.motion(zeta))
-        state = np.linalg.solve(vectors, np.concatenate([np.zeros(len(self.mass)), momenta / self.mass]))
-        seen = np.array([np.concatenate(row) for row in rows]) @ vectors
-        return ((seen * state) @ np.exp(np.outer(rates, t))).real

@@ -1,4 +1,5 @@
-"""signal with places, damping of every kind, time steps and nonlinear dynamics against numpy (network_oracle.py).
+"""signal with places, time steps and nonlinear dynamics against numpy (network_oracle.py); units of dashpots. Damped motion
+is compared in tests/oracle.
 
 usage: test_places.py COMMAND SOURCE_DIR
 """
@@ -61,59 +62,8 @@ def tables_of_planes():
     assert found.rows[3][2:] == table("front", "s.tsv", "--column", "F4").rows[0][2:]
 
 
-def dashpots(kind, value, tangential):
-    """The oracle's dashpots of a kind: c, for --damping."""
-    net = network(N200)
-    if kind == "zeta":
-        return value * net.c
-    normal = np.arange(len(net.c)) % 2 == 0  # rows of a contact: normal, tangential
-    # the reduced mass, from c = 2 sqrt(m k)
-    return np.where(normal, value, tangential) * ((net.c / 2)**2 / net.k if kind == "mass" else 1)
-
-
-def damped_signals():
-    net, t = network(N200), np.linspace(0, 80, 41)
-    critical = net.c
-    for kind, value, tangential in (("zeta", 0.05, None), ("gamma", 0.05, 0), ("mass", 0.3, 0.1)):
-        c = dashpots(kind, value, tangential)
-        word = value if kind == "zeta" else f"{kind}:{value}" if value == tangential else f"{kind}:{value}:{tangential}"
-        found = signal("--until=80", "--points=41", "--damping", word, "--detector=top", "--detector=plane:3:shear")
-        assert found.notes["method"] == "faber"
-        assert found.notes["damping"] == (f"{value:g}" if kind == "zeta" else f"{kind}:{value}:{tangential}"), found.notes
-        rows = [(net.wall(-2, NORMAL), net.wall(-2, NORMAL, stiffness=c)),
-                (net.plane(3, SHEAR), net.plane(3, SHEAR, stiffness=c))]
-        net.c = c
-        exact = net.damped(1, net.source, rows, t)
-        net.c = critical
-        for b in range(2):
-            assert np.max(np.abs(found[f"F{b + 1}"] - exact[b])) < 1e-10 * np.max(np.abs(exact[b])), (word, b)
-
-
-def damped_modes():
-    net = network(N200)
-    critical = net.c
-    for word, kind, value in ((0.1, "zeta", 0.1), ("gamma:0.02", "gamma", 0.02)):
-        net.c = dashpots(kind, value, value)
-        rates = np.linalg.eigvals(net.motion(1))
-        net.c = critical
-        rates, ours = rates[rates.imag >= 0], table("modes", N200, "--damping", word)
-        assert ours.names == ["n", "omega", "decay", "cosine", "sine", "error", "Q", "Q_err"] and len(ours) == len(rates)
-        omega, decay, q = ours["omega"], ours["decay"], ours["Q"]
-        for rate in rates:
-            k = np.argmin(np.hypot(omega - rate.imag, decay + rate.real))
-            assert np.hypot(omega[k] - rate.imag, decay[k] + rate.real) < 1e-10
-            assert rate.imag < 1e-6 or abs(q[k] + abs(rate) / (2 * rate.real)) < 1e-8 * q[k]
-
-
 def damped_waves():
-    """In the harmonic response, and in the attenuation of a wave: more dashpots, more of it."""
-    net, c = network(N200), dashpots("mass", 0.4, 0.2)
-    ours = table("spectrum", "harmonic", N200, "--damping", "mass:0.4:0.2", "--at", "0.1,0.2")
-    damping = net.b.T @ (c[:, None] * net.b)
-    for l, omega in enumerate(ours["omega"]):
-        u = np.linalg.solve(net.matrix - omega**2 * np.diag(net.mass) + 1j * omega * damping, net.source)
-        exact = (net.wall(-2, NORMAL) + 1j * omega * net.wall(-2, NORMAL, stiffness=c)) @ u
-        assert abs(ours["re"][l] + 1j * ours["im"][l] - exact) < 1e-8 * abs(exact)
+    """More dashpots, more attenuation of a wave."""
     alpha = [table("wave", N600, "--at=0.14,0.18", *words)["alpha"] for words in
              ([], ["--damping=gamma:0.005"], ["--damping=gamma:0.02"])]
     assert np.all(alpha[0] < alpha[1]) and np.all(alpha[1] < alpha[2]), alpha
@@ -142,4 +92,4 @@ def dynamics():
     assert off[0] > off[1] > off[2] and off[2] < 1e-5, off
 
 
-main(places, tables_of_planes, damped_signals, damped_modes, damped_waves, units_of_dashpots, dynamics)
+main(places, tables_of_planes, damped_waves, units_of_dashpots, dynamics)

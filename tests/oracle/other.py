@@ -112,11 +112,11 @@ def harmonic(case):
     net, rng = case.network, case.rng
     top = float(np.sqrt(case.modes[0].max()))
     at = sorted(round(top * float(f), 5) for f in rng.uniform(0.05, 0.95, 3))
-    zeta = round(float(rng.uniform(0.005, 0.5)), 3)
-    table = case.run("spectrum", "harmonic", "P.h5", f"--damping={zeta}", "--at=" + ",".join(map(str, at)), "-q")
+    word, of = sound.dashpots(case, 0.5)
+    table = case.run("spectrum", "harmonic", "P.h5", f"--damping={word}", "--at=" + ",".join(map(str, at)), "-q")
     if not table:
         return
-    c, cn, _ = net.dashpots(LONG(zeta))
+    c, cn, _ = net.dashpots(*of)
     push, read = -net.wall_vector(-1, net.kn), net.wall_vector(-2, net.kn)
     rub = net.wall_vector(-2, cn)
     for row, w in enumerate(table["omega"]):

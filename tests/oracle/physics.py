@@ -357,12 +357,14 @@ class Network:
     def modes(self):
         return eigen(self.matrix())
 
-    def dashpots(self, zeta):
-        """The matrix C of dashpots that are a fraction zeta of critical, and their coefficients."""
+    def dashpots(self, kind, normal, tangential):
+        """The matrix C of dashpots, and their coefficients: a fraction of critical (kind zeta), the same at every contact
+        (gamma), or in proportion to the reduced mass (mass)."""
         p, c = self.p, self.c
         m2 = np.where(p.is_wall[c], 1, p.m[p.j[c]])
         meff = np.where(p.is_wall[c], p.m[p.i[c]], p.m[p.i[c]] * m2 / (p.m[p.i[c]] + m2))
-        cn, ct = (2 * zeta * np.sqrt(meff * k) for k in (self.kn, self.kt))
+        cn, ct = (value * {"zeta": 2 * np.sqrt(meff * k), "gamma": 1 + 0 * k, "mass": meff}[kind]
+                  for value, k in ((LONG(normal), self.kn), (LONG(tangential), self.kt)))
         push = self.normal[:, :, None] * np.pad(self.normal, ((0, 0), (0, 6)))[:, None, :]
         law = np.zeros_like(self.law)
         law[:, :3] = cn[:, None, None] * push + ct[:, None, None] * self.slip

@@ -78,14 +78,25 @@ def compare_vectors(case, table, skip, zeros, kind, spread):
     case.compare("participation", table["participation"][skip + zeros:], part, bound)
 
 
+def dashpots(case, most):
+    """The word of --damping of any kind, up to so much of the critical, and what Network.dashpots takes."""
+    kind, net = str(case.rng.choice(["zeta", "gamma", "mass"])), case.network
+    zeta, side = (round(float(x), 3) for x in case.rng.uniform(0.005, most, 2))
+    if kind == "zeta":
+        return str(zeta), (kind, zeta, zeta)
+    unit = np.median(net.dashpots("zeta", 1, 1)[1]) if kind == "gamma" else 2 * np.sqrt(np.median(net.kn))
+    values = [float(f"{x * unit:.3g}") for x in (zeta, side)]
+    return f"{kind}:{values[0]!r}:{values[1]!r}", (kind, *values)
+
+
 def damped_modes(case):
     net = case.network
     if net.size > 220:
         return
-    zeta = round(float(case.rng.uniform(0.01, 1.2)), 3)
-    if not (table := case.run("modes", "P.h5", f"--damping={zeta}", "-q")):
+    word, of = dashpots(case, 1.2)
+    if not (table := case.run("modes", "P.h5", f"--damping={word}", "-q")):
         return
-    c = net.dashpots(LONG(zeta))[0]
+    c = net.dashpots(*of)[0]
     root = np.sqrt(net.mass)
     a, c = net.matrix().astype(float), (c / root[:, None] / root).astype(float)
     n = len(a)
@@ -194,11 +205,11 @@ def damped(case, until):
     net = case.network
     if net.size > 260:
         return
-    zeta, kind = round(float(case.rng.uniform(0.01, 1)), 3), str(case.rng.choice(["impulse", "displacement"]))
-    table = case.run("signal", "P.h5", f"--damping={zeta}", f"--source={kind}", "--points=9", f"--until={until}", "-q")
+    (word, of), kind = dashpots(case, 1), str(case.rng.choice(["impulse", "displacement"]))
+    table = case.run("signal", "P.h5", f"--damping={word}", f"--source={kind}", "--points=9", f"--until={until}", "-q")
     if not table:
         return
-    c, cn, _ = net.dashpots(LONG(zeta))
+    c, cn, _ = net.dashpots(*of)
     root, start = np.sqrt(net.mass), net.source(kind)
     c = c / root[:, None] / root
     u, v = (start, 0 * start) if kind == "displacement" else (0 * start, start)
