@@ -13,7 +13,9 @@ import zlib
 import h5py
 import numpy as np
 
-sys.path[:0] = [str(pathlib.Path(__file__).resolve().parent.parent / "cli"), str(pathlib.Path(sys.argv[1]).parent / "python")]
+TESTS = pathlib.Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(TESTS / "cli"), str(TESTS / "oracle"), str(pathlib.Path(sys.argv[1]).parent / "python")]
+import physics  # noqa: E402
 from command import sanitized  # noqa: E402
 from common import names_all, packed_zeros  # noqa: E402
 from network_oracle import Network  # noqa: E402
@@ -124,40 +126,16 @@ def part_of_a_spectrum():
     run("modes", PACKING, "--band", "0.3:0.5", "--vectors", u, "--mode", 0, "--force", status=2)
 
 
-def stiffness_from_tables(grains, contacts, members):
-    """K of spheres from the two tables of a packing, contact by contact, in the order of the members."""
-    comments, g = table(grains.read_text())
-    lines = [line.split("\t") for line in contacts.read_text().splitlines() if not line.startswith("#")]
-    row, radius, p = {int(k): a for a, k in enumerate(members)}, g["radius"], float(comments["pressure"])
-    k = np.zeros((6 * len(members), 6 * len(members)))
-    for words in lines[1:]:
-        i, n, overlap, fn = int(words[0]), np.array(words[2:5], float), float(words[5]), float(words[6])
-        wall = words[1] in ("bottom", "top")
-        if fn <= 1e-4 * p or i not in row or not (wall or int(words[1]) in row):
-            continue
-        ri, rj = radius[i], 0 if wall else radius[int(words[1])]
-        kn = 2 * np.sqrt(ri * overlap) if wall else np.sqrt(ri * rj / (ri + rj) * overlap)
-        b = np.zeros((3, 6 * len(members)))  # displacement at the contact: u_j - u_i - (R_i theta_i + R_j theta_j) x n
-        cross = np.array([[0, n[2], -n[1]], [-n[2], 0, n[0]], [n[1], -n[0], 0]])  # theta x n = cross theta
-        for end, sign, arm in ((i, -1, ri), *([] if wall else [(int(words[1]), 1, rj)])):
-            at = 6 * row[end]
-            b[:, at:at + 3] += sign * np.eye(3)
-            b[:, at + 3:at + 6] -= arm * cross
-        across = np.eye(3) - np.outer(n, n)
-        k += b.T @ (kn * np.outer(n, n) + kn * across) @ b  # nu = 0: k_t = k_n
-    return k
-
-
 def spheres():
     packing, path, figure = FOLDER / "spheres.h5", FOLDER / "sv.h5", FOLDER / "s.svg"
-    grains, contacts = FOLDER / "grains.tsv", FOLDER / "contacts.tsv"
     run("pack", SOURCE / "packings" / "spheres.cfg", "-q", "-o", packing, "--set", "packing.grains=50", "--set",
-        "packing.width=4", "--set", 'packing.protocol="quick"', "--set", "packing.poisson=0")
-    run("convert", packing, "-q", "--grains", grains, "--contacts", contacts)
+        "packing.width=4", "--set", 'packing.protocol="quick"')
     run("modes", packing, "--vectors", path, "-o", FOLDER / "sm.tsv")
     with h5py.File(path) as f:
         g = f["modes"]
-        k = stiffness_from_tables(grains, contacts, g["grain"][:])
+        net = physics.Network(physics.Packing(packing))
+        assert np.array_equal(net.grains, g["grain"][:])
+        k = net.k.astype(float)
         mass, omega = g["mass"][:], g["omega"][g["n_rattler"][()]:]
         assert g["freedoms"][()] == 6 and np.array_equal(g["column"][:6, 1], np.arange(6))
         u = g["vector"][:] / np.sqrt(mass)
