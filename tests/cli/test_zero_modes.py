@@ -3,61 +3,36 @@ numbers whatever is asked for.
 
 usage: test_zero_modes.py COMMAND SOURCE_DIR
 """
+import sys
+
 import h5py
 import numpy as np
 
 from command import SOURCE, main, pack, refused, table
 
+sys.path.append(str(SOURCE / "tests/oracle"))
+import physics  # noqa: E402
+
 KEYS = ("rattler_modes", "free_spins", "rigid_motions", "mechanisms")
 
 
 class Contacts:
-    """Grains and contacts that carry force, without the program's network."""
+    """What tells which motions are free: relative displacements at the carrying contacts, rotations as displacements of
+    the surface."""
 
     def __init__(self, path):
-        with h5py.File(path) as f:
-            self.dim = int(f["sonopack/dimension"][()])
-            friction = float(f["sonopack/friction"][()]) > 0 and self.dim > 1
-            pressure = float(f["sonopack/pressure"][()])
-            pairs = f["connectivity/contacts"][()]
-            if "sonopack/walls" in f:
-                pairs = np.concatenate([pairs, f["sonopack/walls/contacts"][()]])
-            normal = f["sonopack/contacts/normal"][()][:, :self.dim]
-            carrying = f["sonopack/contacts/normal_force"][()] > 1e-4 * pressure
-            self.radius, self.x = f["particles/grains/radius"][()], f["particles/grains/position/value"][0][:, :self.dim]
-            self.box = f["particles/grains/box/edges"][()][:self.dim - 1]
-        n, needed = len(self.radius), 2 if friction or self.dim == 1 else self.dim + 1
-        while True:  # grains with too few contacts do not hold others
-            count = np.bincount(pairs[carrying].ravel()[pairs[carrying].ravel() >= 0], minlength=n)
-            held = count >= needed
-            kept = carrying & held[pairs[:, 0]] & ((pairs[:, 1] < 0) | held[pairs[:, 1]])
-            if np.array_equal(kept, carrying):
-                break
-            carrying = kept
-        self.alive = np.flatnonzero(held)
-        self.rattlers = n - len(self.alive)
-        self.turns = (0, 0, 1, 3)[self.dim] if friction else 0
-        self.dof = self.dim + self.turns
+        net = physics.Network(physics.Packing(path))
+        p, self.dim, self.dof, self.alive = net.p, net.p.dim, len(net.axes), net.grains
+        self.turns, self.rattlers = self.dof - self.dim, p.count - len(net.grains)
         self.row = {g: k for k, g in enumerate(self.alive)}
-        self.pairs, self.normal = pairs[carrying], normal[carrying]
-        self.b = np.zeros((0, 0)) if len(self.alive) == 0 else np.array([r for k in range(len(self.pairs)) for r in self.stretches(k, friction)])
-
-    def stretches(self, k, friction):
-        """Rows of relative displacement at the contact; rotations as displacements of the surface."""
-        (i, j), n = self.pairs[k], self.normal[k]
-        tangents = np.linalg.svd(n[None])[2][1:] if friction else []
-        for axis in [n, *tangents]:
-            b = np.zeros(self.dof * len(self.alive))
-            for end, sign in ((i, -1), (j, 1)):
-                if end < 0:
-                    continue
-                at = self.dof * self.row[end]
-                b[at:at + self.dim] = sign * axis
-                if self.turns == 1:
-                    b[at + 2] = -(n[0] * axis[1] - n[1] * axis[0])
-                elif self.turns == 3:
-                    b[at + 3:at + 6] = -np.cross(n, axis)
-            yield b
+        self.pairs, self.normal = np.stack([p.i, p.j], 1)[net.c], p.n[net.c, :self.dim].astype(float)
+        self.x, self.radius = p.x[:, :self.dim].astype(float), p.r.astype(float)
+        self.box = np.diag(p.cell)[:self.dim - 1]
+        motion = net.motion.astype(float)
+        rows = [np.einsum("ca,can->cn", self.normal, motion[:, :self.dim])]
+        if self.turns:
+            rows += [*np.einsum("cab,cbn->acn", net.slip.astype(float), motion)]
+        self.b = np.concatenate(rows) / np.where(np.array(net.axes) < 3, 1, self.radius[self.alive, None]).ravel()
 
     def rigid_motions(self):
         """Motions of parts that hang together: translations, and rotations of those that do not wrap around."""

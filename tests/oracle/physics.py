@@ -5,6 +5,7 @@ are made of exact products of slices, and eigenvectors of LAPACK are refined onc
 far below that of the program, whose stated errors can be checked as they are.
 """
 import math
+from functools import cached_property
 
 import h5py
 import numpy as np
@@ -264,7 +265,10 @@ class Network:
         self.wall = p.j[self.c]
         self.motions()
         self.forces()
-        self.k = self.assemble(self.law)
+
+    @cached_property
+    def k(self):
+        return self.assemble(self.law)
 
     def soften(self, tangential, sliding_free):
         """Tangential stiffness by loading history, or none where a contact slides."""
