@@ -104,7 +104,7 @@ static inline double cells_forces(const sp_packing *p, double *force) {
 /* FIRE (Bitzek et al., Phys. Rev. Lett. 97, 170201, 2006), until the largest force is below `most`. */
 static inline void cells_relax(sp_packing *p, double most) {
     const int n = 3 * p->n;
-    double *v = calloc((size_t)n, sizeof *v), *f = calloc((size_t)n, sizeof *f);
+    RELEASED double *v = calloc((size_t)n, sizeof *v), *f = calloc((size_t)n, sizeof *f);
     double h = 0.2, mix = 0.1, largest = 1;
     int since = 0, step = 0;
     for (; step < 200000 && largest > most; step++) {
@@ -138,8 +138,6 @@ static inline void cells_relax(sp_packing *p, double most) {
     }
     assert_true(largest <= most);
     add_contacts(p);
-    free(f);
-    free(v);
 }
 
 /* n grains of two sizes (ratio 1.4) that fill the fraction phi of a cell with edges of the same length, at rest. tilt:

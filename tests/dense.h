@@ -7,13 +7,12 @@
 /* All entries of K, by columns. */
 static inline double *dense_of(const sp_network *net) {
     const int64_t n = sp_network_dofs(net);
-    sp_sparse k = {0};
+    FREED(sp_sparse) k = {0};
     double *a = calloc((size_t)(n * n), sizeof *a);
     assert_ok(sp_network_assemble_whole(net, &k, &err));
     for (int64_t c = 0; c < n; c++)
         for (int64_t q = k.p[c]; q < k.p[c + 1]; q++)
             a[c * n + k.i[q]] = k.x[q];
-    sp_sparse_free(&k);
     return a;
 }
 

@@ -68,7 +68,7 @@ static inline void extended_signal_of(const sp_network *net, const double *sent,
             now[k] = next;
         }
     }
-    extended *j = calloc(2 * (size_t)terms, sizeof *j);
+    RELEASED extended *j = calloc(2 * (size_t)terms, sizeof *j);
     for (int l = 0; l < points; l++) {
         extended sum = 0;
         if (t[l] == 0) {
@@ -80,7 +80,6 @@ static inline void extended_signal_of(const sp_network *net, const double *sent,
             sum += velocity ? 2 / omega * j[2 * k + 1] * mu[k] : (k ? 2 : 1) * j[2 * k] * mu[k];
         f[l] = (double)sum;
     }
-    free(j);
     free(mu);
     free(v);
 }

@@ -8,14 +8,13 @@
 static const long double PI = 3.14159265358979323846264338L;
 
 static sp_network chain_network(int n) {
-    sp_packing p = chain_packing(n, 1e-4);
+    FREED(sp_packing) p = chain_packing(n, 1e-4);
     sp_network_options o = sp_network_options_default();
     sp_network net = sp_network_none();
     assert_ok(sp_network_make(&p, &o, &net, &err));
     assert_int_equal(net.n_springs, n + 1);
     for (int k = 1; k <= n; k++)
         assert_true(net.springs[k].kn == net.springs[0].kn); /* the walls' too */
-    sp_packing_free(&p);
     return net;
 }
 

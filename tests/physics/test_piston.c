@@ -20,11 +20,10 @@ TEST(test_rest) {
         spec.friction = friction[k / 3];
         spec.poisson = k % 2 ? 0.3 : 0;
         spec.seed = 100 + (uint64_t)k;
-        sp_packing p = make_packing(&spec);
+        FREED(sp_packing) p = make_packing(&spec);
         assert_at_rest(&p, MASS, EXCESS);
         double height = sp_packing_height(&p);
         assert_true(height > 8 && height < 11); /* 120 x pi/4 x 1.013/(12 phi), phi from 0.75 to 0.9 */
-        sp_packing_free(&p);
     }
 }
 
@@ -113,9 +112,8 @@ TEST(test_odd_protocols) {
     spec[10].pressure = 1e-2;
     for (int k = 0; k < PROTOCOLS; k++) {
         print_message("protocol %d\n", k);
-        sp_packing p = make_packing(&spec[k]);
+        FREED(sp_packing) p = make_packing(&spec[k]);
         assert_at_rest(&p, MASS, EXCESS);
-        sp_packing_free(&p);
     }
 }
 
@@ -132,10 +130,8 @@ TEST(test_default_without_lag) {
         one.lag = 0;
         one.time_step = 0.7;
         other.protocol = SP_PROTOCOL_SOMFAI2005;
-        sp_packing p = make_packing(&one), q = make_packing(&other);
+        FREED(sp_packing) p = make_packing(&one), q = make_packing(&other);
         assert_true(same(&p, &q));
-        sp_packing_free(&p);
-        sp_packing_free(&q);
     }
 }
 
@@ -153,13 +149,12 @@ TEST(test_one_material) {
             spec.tolerance = 1e-7;
             spec.seed = (uint64_t)k;
             spec.protocol = k % 2 ? SP_PROTOCOL_SOMFAI2005 : SP_PROTOCOL_DEFAULT;
-            sp_packing p = make_packing(&spec);
+            FREED(sp_packing) p = make_packing(&spec);
             const double value[2] = {sp_packing_height(&p), p.n_contacts};
             for (int q = 0; q < 2; q++) {
                 sum[k % 2][q] += value[q];
                 square[k % 2][q] += value[q] * value[q];
             }
-            sp_packing_free(&p);
         }
         for (int q = 0; q < 2; q++) {
             double variance = 0;
@@ -181,12 +176,11 @@ TEST(test_few_grains) {
         spec.grains = n;
         spec.width = 5;
         spec.seed = (uint64_t)n;
-        sp_packing p = make_packing(&spec);
+        FREED(sp_packing) p = make_packing(&spec);
         int32_t rattlers;
         assert_at_rest(&p, MASS, EXCESS);
         assert_ok(sp_packing_rattlers(&p, 1e-4, NULL, NULL, &rattlers, &err));
         assert_true(rattlers < n); /* somebody holds the piston */
-        sp_packing_free(&p);
     }
 }
 

@@ -24,12 +24,11 @@ TEST(test_rest) {
         sp_pack_spec spec = spheres(80, 5, friction[k], 300 + (uint64_t)k);
         spec.pressure = pressure[k];
         spec.poisson = k == 2 ? 0.3 : 0;
-        sp_packing p = make_packing(&spec);
+        FREED(sp_packing) p = make_packing(&spec);
         assert_spheres_at_rest(&p);
         /* 80 x pi/6 x 1.04/(25 phi), phi from 0.5 to 0.7, and loose layers at two walls */
         assert_true(p.box[0] == 5 && p.box[1] == 5);
         assert_true(p.box[2] > 2.4 && p.box[2] < 4);
-        sp_packing_free(&p);
     }
 }
 
@@ -43,31 +42,28 @@ TEST(test_odd_spheres) {
     spec[2].diameter_min = 0.5;
     spec[2].diameter_max = 1.2;
     for (int k = 0; k < 4; k++) {
-        sp_packing p = make_packing(&spec[k]);
+        FREED(sp_packing) p = make_packing(&spec[k]);
         assert_spheres_at_rest(&p);
         assert_true(p.box[1] == (spec[k].depth > 0 ? spec[k].depth : spec[k].width));
-        sp_packing_free(&p);
     }
 }
 
 TEST(test_determinism) {
     const sp_pack_spec spec = spheres(60, 5, 0.5, 5);
     const sp_pack_hooks hooks = {.threads = 2};
-    sp_packing p = make_packing(&spec), q = sp_packing_none();
+    FREED(sp_packing) p = make_packing(&spec), q = sp_packing_none();
     assert_ok(sp_packing_make_with(&spec, &hooks, &q, &err));
     assert_int_equal(p.n_contacts, q.n_contacts);
     assert_true(p.steps == q.steps);
     assert_memory_equal(p.x, q.x, (size_t)p.n * 24);
     assert_memory_equal(p.r, q.r, (size_t)p.n * 8);
     assert_memory_equal(p.contacts, q.contacts, (size_t)p.n_contacts * sizeof *p.contacts);
-    sp_packing_free(&q);
-    sp_packing_free(&p);
 }
 
 /* A tangential force lies in its contact's plane. */
 TEST(test_tangential_forces) {
     const sp_pack_spec spec = spheres(60, 5, 0.5, 8);
-    sp_packing p = make_packing(&spec);
+    FREED(sp_packing) p = make_packing(&spec);
     int32_t large = 0;
     for (int32_t c = 0; c < p.n_contacts; c++) {
         const sp_contact *k = &p.contacts[c];
@@ -80,7 +76,6 @@ TEST(test_tangential_forces) {
         assert_true(fabs(along) <= 1e-8 * fmax(sqrt(size), 1e-4 * p.pressure));
     }
     assert_true(large > p.n_contacts / 10);
-    sp_packing_free(&p);
 }
 
 /* Grains of the network with two springs only. */
@@ -104,9 +99,9 @@ TEST(test_zero_modes) {
     for (uint64_t seed = 1; seed <= 3; seed++) {
         sp_pack_spec spec = spheres(100, 5, seed == 3 ? 0 : 0.5, seed);
         spec.tolerance = 1e-4 * spec.pressure;
-        sp_packing p = make_packing(&spec);
-        sp_network net = sp_network_none();
-        sp_modes modes = sp_modes_none();
+        FREED(sp_packing) p = make_packing(&spec);
+        FREED(sp_network) net = sp_network_none();
+        FREED(sp_modes) modes = sp_modes_none();
         const sp_network_options options = sp_network_options_default();
         const sp_modes_options all = sp_modes_options_default();
         assert_ok(sp_network_make(&p, &options, &net, &err));
@@ -116,9 +111,6 @@ TEST(test_zero_modes) {
         assert_int_equal(modes.n_rattler, net.dof * net.rattlers);
         assert_int_equal(modes.n_zero - modes.n_rattler, seed == 3 ? 2 : bridges);
         seen += seed == 3 ? 0 : bridges;
-        sp_modes_free(&modes);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
     assert_true(seen > 0);
 }

@@ -26,7 +26,7 @@ static sp_packing make_equal(double friction, double pressure) {
  * (phi - phi_c)^(1/2) and p ~ (phi - phi_c)^(3/2) (O'Hern et al., Phys. Rev. E 68, 011306, 2003), so that z - 6 ~
  * p^(1/3), 2.15 a decade. One box of 500 grains in the bulk leaves z to 0.1 and phi to 0.005. */
 TEST(test_jamming) {
-    sp_packing high = make_equal(0, 1e-4), low = make_equal(0, 1e-5);
+    FREED(sp_packing) high = make_equal(0, 1e-4), low = make_equal(0, 1e-5);
     const sp_statics a = statics_of(&high, 3), b = statics_of(&low, 3);
     assert_true(a.zs > 6.45 && a.zs < 7);
     assert_true(b.zs > 6.15 && b.zs < 6.55);
@@ -37,19 +37,16 @@ TEST(test_jamming) {
     const sp_statics inner = statics_of(&high, 4);
     assert_close(inner.zs, a.zs, 0.15);
     assert_close(inner.phi3, a.phi3, 0.008);
-    sp_packing_free(&low);
-    sp_packing_free(&high);
 }
 
 /* With friction spheres stop earlier: z between 4 and 6 and phi near 0.59 (0.593 at mu = 0.3 and low pressure, Agnolin
  * and Roux). */
 TEST(test_friction) {
-    sp_packing p = make_equal(0.5, 1e-4);
+    FREED(sp_packing) p = make_equal(0.5, 1e-4);
     const sp_statics s = statics_of(&p, 3);
     assert_true(s.zs > 4.6 && s.zs < 5.3);
     assert_close(s.phi3, 0.595, 0.015);
     assert_true(s.f0 > 1 && s.f0 < 12);
-    sp_packing_free(&p);
 }
 
 enum { SAMPLES = 40, QUANTITIES = 6 };
@@ -59,11 +56,10 @@ static void sample(bool reference, double friction, uint64_t seed, double value[
     spec.seed = seed;
     spec.reference = reference;
     spec.tolerance = 1e-4 * spec.pressure;
-    sp_packing p = make_packing(&spec);
+    FREED(sp_packing) p = make_packing(&spec);
     const sp_statics s = statics_of(&p, 0.5);
     const double values[QUANTITIES] = {sp_packing_height(&p), s.zs, s.f0, s.n_over_p, s.z2, s.s1_over_s2};
     memcpy(value, values, sizeof values);
-    sp_packing_free(&p);
 }
 
 /* Means of samples by the two paths, within three standard errors of the difference: one of 160 such numbers lies

@@ -134,12 +134,10 @@ static void check_galilei(claims *c, const sp_pack_spec *spec, const sp_packing 
     for (int32_t i = 0; i < d.n; i++)
         for (int a = 0; a < d.dim; a++)
             dynamics_grain(&e, i)[e.at.v + a] += 0.3 * (a + 1);
-    double *f = forces_of(&d, 0.4), *g = forces_of(&e, 0.4);
+    RELEASED double *f = forces_of(&d, 0.4), *g = forces_of(&e, 0.4);
     if (d.cell == SP_CELL_PERIODIC)
         compare(c, "another frame", &d, f, g, same);
     check_momentum(c, &d, f);
-    free(g);
-    free(f);
     sp_dynamics_free(&e);
     sp_dynamics_free(&d);
 }
@@ -162,10 +160,8 @@ static void check_mirror(claims *c, const sp_pack_spec *spec, const sp_packing *
             g[e.at.w + a] *= sign[3 + a];
     }
     for (int step = 0; step < 3; step++) {
-        double *f = forces_of(&d, 0.4), *g = forces_of(&e, 0.4);
+        RELEASED double *f = forces_of(&d, 0.4), *g = forces_of(&e, 0.4);
         compare(c, "a mirror", &d, f, g, sign);
-        free(g);
-        free(f);
         if (d.cell == SP_CELL_PISTON)
             break; /* the other wall moves */
         sp_dynamics_advance(&d, 0.05);
@@ -185,10 +181,8 @@ static void check_codes(claims *c, const sp_pack_spec *spec, const sp_packing *p
     stir(&d, &one, 1e-2);
     stir(&e, &two, 1e-2);
     for (int step = 0; step < 3; step++) {
-        double *f = forces_of(&d, step ? 0.1 : 0), *g = forces_of(&e, step ? 0.1 : 0);
+        RELEASED double *f = forces_of(&d, step ? 0.1 : 0), *g = forces_of(&e, step ? 0.1 : 0);
         compare(c, "two codes", &d, f, g, same);
-        free(g);
-        free(f);
         sp_dynamics_advance(&d, 0.1);
         sp_dynamics_advance(&e, 0.1);
     }

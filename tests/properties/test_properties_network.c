@@ -115,7 +115,7 @@ static void check_traces(claims *c, const sp_network *net, const sp_modes *m) {
 /* Whether there are modes: not in unstable networks. */
 static bool check_modes(claims *c, const sp_network *net, const exact *x) {
     sp_modes_options o = sp_modes_options_default();
-    sp_modes dense = sp_modes_none();
+    FREED(sp_modes) dense = sp_modes_none();
     sp_zero_modes zero;
     sp_error why = {0};
     o.vectors = false;
@@ -140,7 +140,6 @@ static bool check_modes(claims *c, const sp_network *net, const exact *x) {
             exactly += quad_abs(x->lambda[k]) < (quad)zero.below * zero.below;
         claims_true(c, "zero modes, exact", !x || exactly == zero.total);
     }
-    sp_modes_free(&dense);
     return true;
 }
 
@@ -300,10 +299,9 @@ static void check_walls(claims *c, const sp_network *net, sp_signal_options o) {
 /* Bound of the rate at which dashpots of the value 1 act. */
 static double decay_of(const sp_network *net, sp_damping_kind kind, double ratio) {
     const sp_damping law = {.kind = kind, .value = 1, .ratio = ratio};
-    sp_network dashpots = sp_network_none();
+    FREED(sp_network) dashpots = sp_network_none();
     assert_ok(sp_network_dashpots(net, &law, &dashpots, &err));
     const double rate = pow(sp_network_omega_bound(&dashpots), 2);
-    sp_network_free(&dashpots);
     return rate;
 }
 
@@ -343,7 +341,7 @@ static void check_signals(claims *c, const sp_network *net, sp_random *draw) {
 static complex long double driven(const sp_network *net, const sp_network *dash, const double *det,
                                   const double *dot_det, const double *push, double omega) {
     const int n = (int)sp_network_dofs(net);
-    extended *k = motion_matrix(net), *c = dash ? motion_matrix(dash) : NULL;
+    RELEASED extended *k = motion_matrix(net), *c = dash ? motion_matrix(dash) : NULL;
     complex long double *a = calloc((size_t)(n * (n + 1)), sizeof *a), sum = 0;
     for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++)
@@ -370,8 +368,6 @@ static complex long double driven(const sp_network *net, const sp_network *dash,
         sum += (det[i] + (dot_det ? I * omega * dot_det[i] : 0)) / sqrtl((extended)net->mass[i]) * a[i * (n + 1) + n] /
                a[i * (n + 1) + i];
     free(a);
-    free(c);
-    free(k);
     return sum;
 }
 

@@ -84,7 +84,7 @@ static void check_field(claims *c, const sp_network *net, sp_random *draw) {
     const sp_functional f = {.n = 1, .t = &t, .weight = &w};
     sp_field_options o = {.source = SP_SOURCE_IMPULSE, .times = 1, .t = &t, .threads = 1};
     sp_sensitivity_options so = sp_sensitivity_options_default();
-    sp_gradient g = sp_gradient_none();
+    FREED(sp_gradient) g = sp_gradient_none();
     double *u = calloc((size_t)(3 * n), sizeof *u), *sent = u + n, *seen = sent + n, error = 0;
     sp_error why = {0};
     assert_ok(sp_network_source(net, SP_SOURCE_IMPULSE, sent, &err));
@@ -96,7 +96,6 @@ static void check_field(claims *c, const sp_network *net, sp_random *draw) {
             claims_check(c, "field", fabs(u[k] - (double)(m.y[k] / sqrtl((extended)net->mass[k]))), error);
     if (claims_served(c, "value", sp_sensitivity_signal(net, &so, 1, &f, &g, &why), &why))
         claims_check(c, "value", fabs(g.value - (double)motion_seen(&m, net, seen, NULL)), g.error);
-    sp_gradient_free(&g);
     motion_end(&m);
     free(u);
 }

@@ -51,7 +51,7 @@ static void exponential(int n, quad *g, quad h, quad *out) {
  * the exponential is well scaled. */
 static void exact_damped(const sp_network *net, const sp_network *dashpots, bool velocity, double until, quad *f) {
     const int n = (int)sp_network_dofs(net);
-    quad *k = exact_stiffness(net), *c = exact_stiffness(dashpots);
+    RELEASED quad *k = exact_stiffness(net), *c = exact_stiffness(dashpots);
     quad *g = calloc(8 * (size_t)(n * n), sizeof *g), *step = g + 4 * n * n;
     quad *state = calloc(4 * (size_t)n, sizeof *state), *next = state + 2 * n;
     double *sent = calloc(3 * (size_t)n, sizeof *sent), *seen = sent + n, *felt = sent + 2 * n;
@@ -85,8 +85,6 @@ static void exact_damped(const sp_network *net, const sp_network *dashpots, bool
     free(sent);
     free(state);
     free(g);
-    free(c);
-    free(k);
 }
 
 static void run(stress_record *r, const stress_case *c, const sp_network *net, double zeta, double length) {

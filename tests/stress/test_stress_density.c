@@ -51,7 +51,7 @@ static void chebyshev(int64_t moments, quad square, quad *t) {
 static void exact_smooth(const exact *x, const sp_dos *d, bool zero, double *out) {
     const size_t n = (size_t)d->moments;
     RELEASED double *g = calloc(n, sizeof *g);
-    quad *t = calloc(n, sizeof *t), *mu = calloc(n, sizeof *mu);
+    RELEASED quad *t = calloc(n, sizeof *t), *mu = calloc(n, sizeof *mu);
     const quad omega = d->omega_max;
     sp_moments_jackson(d->moments, g);
     for (int m = zero ? 0 : (int)(d->zero.total - d->zero.rattlers); m < x->n; m++) {
@@ -67,8 +67,6 @@ static void exact_smooth(const exact *x, const sp_dos *d, bool zero, double *out
             sum += 2 * g[k] * mu[k] * t[k];
         out[b] = (double)(4 * sum / (quad_turn() * omega * quad_sqrt(1 - s * s)));
     }
-    free(t);
-    free(mu);
 }
 
 static void compare_smooth(stress_record *r, const char *network, const sp_dos *d, const exact *x) {

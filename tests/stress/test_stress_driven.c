@@ -195,11 +195,10 @@ TEST(test_hard_networks) {
         FREED(sp_network) net = c->make(c->value, 1);
         const sp_modes_options o = {.vectors = false};
         FREED(sp_modes) m = sp_modes_none();
-        double *scratch = calloc((size_t)sp_network_dofs(&net), sizeof *scratch);
+        RELEASED double *scratch = calloc((size_t)sp_network_dofs(&net), sizeof *scratch);
         sp_error err = {0};
         const bool walls = sp_network_source(&net, SP_SOURCE_IMPULSE, scratch, &err) == SP_OK &&
                            sp_network_detector(&net, scratch, &err) == SP_OK;
-        free(scratch);
         if (walls && sp_modes_dense(&net, &o, &m, &err) == SP_OK && m.n_zero < m.n)
             run(&r, c, &net, &m, (uint64_t)k);
     }

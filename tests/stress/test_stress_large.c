@@ -30,11 +30,10 @@ static void compare_modes(stress_record *r, const char *network, const char *met
 }
 
 static bool has_walls(const sp_network *net) {
-    double *scratch = calloc((size_t)sp_network_dofs(net), sizeof *scratch);
+    RELEASED double *scratch = calloc((size_t)sp_network_dofs(net), sizeof *scratch);
     sp_error err = {0};
     const bool walls = sp_network_source(net, SP_SOURCE_IMPULSE, scratch, &err) == SP_OK &&
                        sp_network_detector(net, scratch, &err) == SP_OK;
-    free(scratch);
     return walls;
 }
 

@@ -56,13 +56,12 @@ static void compare_vectors(stress_record *r, const char *network, const char *m
 static void run_dense(stress_record *r, const stress_case *c, const sp_network *net, const exact *x, bool vectors) {
     const sp_modes_options o = {.vectors = vectors, .source = SP_SOURCE_IMPULSE};
     const char *method = vectors ? "dense" : "dense, frequencies";
-    double *scratch = calloc((size_t)x->n, sizeof *scratch);
+    RELEASED double *scratch = calloc((size_t)x->n, sizeof *scratch);
     FREED(sp_modes) m = sp_modes_none();
     sp_error err = {0};
     /* amplitudes need both walls */
     const bool walls = sp_network_source(net, SP_SOURCE_IMPULSE, scratch, &err) == SP_OK &&
                        sp_network_detector(net, scratch, &err) == SP_OK;
-    free(scratch);
     if (vectors && !walls)
         return;
     const sp_status status = sp_modes_dense(net, &o, &m, &err);

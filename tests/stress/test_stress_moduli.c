@@ -112,7 +112,7 @@ TEST(test_moduli) {
 /* Leaves these grains their first two springs; `share` is the part of their stiffness that is left. */
 static sp_network with_two_springs(sp_network net, int32_t first, int32_t step, double share) {
     int32_t kept = 0, bulk = 0;
-    int *have = calloc((size_t)net.n, sizeof *have);
+    RELEASED int *have = calloc((size_t)net.n, sizeof *have);
     for (int32_t k = 0; k < net.n_springs; k++) {
         sp_spring s = net.springs[k];
         const bool own = s.i % step == first, other = s.j >= 0 && s.j % step == first;
@@ -127,7 +127,6 @@ static sp_network with_two_springs(sp_network net, int32_t first, int32_t step, 
         net.length[kept] = net.length[k];
         net.springs[kept++] = s;
     }
-    free(have);
     net.n_springs = kept;
     net.n_bulk = bulk;
     return stress_changed(net);

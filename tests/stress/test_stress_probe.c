@@ -62,7 +62,7 @@ static double line_field(double height, int lines, double y) {
 
 /* f . K^+ f for a positive K and a force f in its range, by elimination with the largest pivot. Destroys both. */
 static quad work_of(int n, quad *k, quad *f) {
-    bool *done = calloc(n > 0 ? (size_t)n : 0, sizeof *done);
+    RELEASED bool *done = calloc(n > 0 ? (size_t)n : 0, sizeof *done);
     quad first = 0, work = 0;
     for (int turn = 0; turn < n; turn++) {
         int best = -1;
@@ -84,7 +84,6 @@ static quad work_of(int n, quad *k, quad *f) {
                 k[i * n + j] -= factor * k[best * n + j];
         }
     }
-    free(done);
     return work;
 }
 

@@ -70,7 +70,7 @@ typedef struct problem {
 static void make(problem *p) {
     const int n = p->x->n;
     const bool velocity = p->o.source != SP_SOURCE_DISPLACEMENT;
-    double *sent = calloc((size_t)n, sizeof *sent), *seen = calloc((size_t)n, sizeof *seen);
+    RELEASED double *sent = calloc((size_t)n, sizeof *sent), *seen = calloc((size_t)n, sizeof *seen);
     p->a = calloc((size_t)n, sizeof *p->a);
     p->b = calloc((size_t)n, sizeof *p->b);
     p->u = calloc((size_t)n * (size_t)n, sizeof *p->u);
@@ -89,8 +89,6 @@ static void make(problem *p) {
             p->a[m] += velocity ? e * sent[k] / root : e * sent[k] * root;
             p->b[m] += e * seen[k] / root;
         }
-    free(sent);
-    free(seen);
 }
 
 static void drop(problem *p) {

@@ -15,7 +15,7 @@ typedef struct asked {
 /* Sources and detectors: the whole walls where they are touched, and single grains. */
 static sp_signal_options options_of(const sp_network *net, const asked *a, sp_place from[PLACES], sp_place to[PLACES]) {
     sp_signal_options o = sp_signal_options_default();
-    double *scratch = calloc((size_t)sp_network_dofs(net), sizeof *scratch);
+    RELEASED double *scratch = calloc((size_t)sp_network_dofs(net), sizeof *scratch);
     sp_error err;
     for (int k = 0; k < PLACES; k++) {
         from[k] = to[k] = sp_place_wall();
@@ -24,7 +24,6 @@ static sp_signal_options options_of(const sp_network *net, const asked *a, sp_pl
         if (k > 0 || sp_network_detector_at(net, &to[k], scratch, &err) != SP_OK)
             to[k] = (sp_place){.kind = SP_PLACE_GRAIN, .grain = net->grain[net->n - 1]};
     }
-    free(scratch);
     o.source = a->source;
     o.until = a->length / net->omega_bound;
     o.points = POINTS;
@@ -71,7 +70,7 @@ static void compare(stress_record *r, const char *network, const char *what, con
 /* One method. Returns the one that was used, SP_SIGNAL_AUTO where it refused. */
 static sp_signal_method run_method(stress_record *r, const char *network, const char *what, const sp_network *net,
                                    const sp_signal_options *o, const quad *f) {
-    sp_signal s = sp_signal_none();
+    FREED(sp_signal) s = sp_signal_none();
     sp_error err = {0};
     sp_signal_method used = SP_SIGNAL_AUTO;
     const sp_status status = sp_signal_make(net, o, &s, &err);
@@ -80,7 +79,6 @@ static sp_signal_method run_method(stress_record *r, const char *network, const 
         compare(r, network, what, &s, f);
     } else
         stress_refuse(r, network, sp_signal_method_name(o->method), what, status, &err);
-    sp_signal_free(&s);
     return used;
 }
 

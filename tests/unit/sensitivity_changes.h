@@ -108,16 +108,13 @@ typedef double quantity(const sp_network *net, void *with);
  * both extrapolate to is the derivative. noise: relative error of the quantity. */
 static inline void assert_derivative(const sp_packing *p, bool prestress, parameter at, double d, double h,
                                      quantity *of, void *with, double size) {
-    sp_network net = network_of(p, prestress);
+    FREED(sp_network) net = network_of(p, prestress);
     const double unit = scale_of(&net, p, at);
     double slope[2];
-    sp_network_free(&net);
     for (int k = 0; k < 2; k++) {
         const double step = unit * h * (k == 0 ? 2 : 1);
-        sp_network up = changed(p, prestress, at, step), down = changed(p, prestress, at, -step);
+        FREED(sp_network) up = changed(p, prestress, at, step), down = changed(p, prestress, at, -step);
         slope[k] = (of(&up, with) - of(&down, with)) / (2 * step);
-        sp_network_free(&up);
-        sp_network_free(&down);
     }
     const double limit = (4 * slope[1] - slope[0]) / 3, noise = 1e-13 * size / (unit * h);
     /* the extrapolation leaves an error of fourth order */

@@ -50,11 +50,10 @@ static void scenes(void) {
         "packing: { grains = [20, 30]; pressure = { from = 1e-7; to = 1e-4; count = 4; }; };", "packing: { grains = ;",
         "packing: { grains = -1; };", "nonsense = 1;"};
     for (size_t k = 0; k < sizeof texts / sizeof *texts; k++) {
-        sp_scene scene = sp_scene_default();
+        FREED(sp_scene) scene = sp_scene_default();
         sp_error reason = {0};
         const sp_status status = sp_scene_parse(texts[k], "text", 0, NULL, &scene, &reason);
         assert_int_equal(status == SP_OK, k < 2);
-        sp_scene_free(&scene);
     }
 }
 
@@ -76,7 +75,7 @@ static void files(const sp_packing *p) {
 }
 
 static void tables(const sp_signal *s) {
-    sp_table t = sp_table_none(), back = sp_table_none();
+    FREED(sp_table) t = sp_table_none(), back = sp_table_none();
     sp_error reason = {0};
     assert_ok(sp_table_add_column(&t, "t", "", SP_COLUMN_NUMBER, &err));
     assert_ok(sp_table_add_column(&t, "F", "", SP_COLUMN_NUMBER, &err));
@@ -88,8 +87,6 @@ static void tables(const sp_signal *s) {
     sp_free(text);
     assert_ok(sp_table_read(table, &back, &err));
     assert_int_not_equal(sp_table_read(broken, &back, &reason), SP_OK);
-    sp_table_free(&back);
-    sp_table_free(&t);
 }
 
 static void sound(const sp_network *net) {
@@ -121,8 +118,8 @@ static void sound(const sp_network *net) {
 
 static void one_round(uint64_t seed) {
     sp_pack_spec spec = sp_pack_spec_default();
-    sp_packing p = sp_packing_none();
-    sp_network net = sp_network_none();
+    FREED(sp_packing) p = sp_packing_none();
+    FREED(sp_network) net = sp_network_none();
     sp_network_options o = sp_network_options_default();
     spec.kind = SP_PACK_CHAIN;
     spec.dim = 1;
@@ -135,8 +132,6 @@ static void one_round(uint64_t seed) {
     assert_ok(sp_network_make(&p, &o, &net, &err));
     files(&p);
     sound(&net);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* ---- what must stay ---------------------------------------------------------------------------------------------- */
@@ -177,8 +172,8 @@ TEST(modes_ask_for_memory) {
     const struct rlimit little = {(rlim_t)600 << 20, RLIM_INFINITY};
     struct rlimit before;
     sp_pack_spec spec = sp_pack_spec_default();
-    sp_packing p = sp_packing_none();
-    sp_network net = sp_network_none();
+    FREED(sp_packing) p = sp_packing_none();
+    FREED(sp_network) net = sp_network_none();
     sp_network_options o = sp_network_options_default();
     sp_modes_options how = sp_modes_options_default();
     sp_modes m = sp_modes_none();
@@ -197,8 +192,6 @@ TEST(modes_ask_for_memory) {
     assert_int_equal(sp_modes_dense(&net, &how, &m, &reason), SP_ENOMEM);
     assert_int_equal(setrlimit(RLIMIT_AS, &before), 0);
     assert_non_null(strstr(reason.text, "6000"));
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(setup, teardown)

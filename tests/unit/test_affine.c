@@ -27,12 +27,11 @@ TEST(test_rest) {
         spec.pressure = k < 4 ? 1e-4 : 1e-2;
         if (k == 4) /* a lattice of disks, which all turn in the same sense */
             spec.diameter_min = spec.diameter_max = 1;
-        sp_packing p = make(&spec, NULL, NULL);
+        FREED(sp_packing) p = make(&spec, NULL, NULL);
         sp_audit audit;
         char reason[200];
         assert_ok(sp_packing_audit(&p, 1e-4, &audit, &err));
         assert_true(sp_audit_worst(&audit, 1e-3, reason, sizeof reason) < 1e-3);
-        sp_packing_free(&p);
     }
 }
 
@@ -56,21 +55,19 @@ TEST(test_no_rebound) {
     sp_pack_spec spec = affine(2, 400);
     heights h = {.count = 0};
     double rise = 0;
-    sp_packing p = make(&spec, note, &h);
+    FREED(sp_packing) p = make(&spec, note, &h);
     for (int i = 1; i < h.count; i++)
         rise = fmax(rise, h.height[i] / h.height[i - 1] - 1);
     assert_true(h.count > 3 && h.height[0] > 2 * sp_packing_height(&p));
     assert_true(rise < 0.01);
-    sp_packing_free(&p);
 }
 
 static double steps_of(sp_protocol protocol, int32_t grains) {
     sp_pack_spec spec = affine(2, grains);
     spec.protocol = protocol;
     spec.tolerance = 1e-8;
-    sp_packing p = make(&spec, NULL, NULL);
+    FREED(sp_packing) p = make(&spec, NULL, NULL);
     const double steps = (double)p.steps;
-    sp_packing_free(&p);
     return steps;
 }
 
@@ -114,14 +111,12 @@ TEST(test_calm_gas) {
         spec.seed = seed;
         kept k = {.count = 0};
         sp_pack_hooks hooks = {.save = keep, .user = &k};
-        sp_packing whole = sp_packing_none(), resumed = sp_packing_none();
+        FREED(sp_packing) whole = sp_packing_none(), resumed = sp_packing_none();
         assert_ok(sp_packing_make_with(&spec, &hooks, &whole, &err));
         assert_true(k.size > 0);
         hooks = (sp_pack_hooks){.state = k.bytes, .state_size = k.size};
         assert_ok(sp_packing_make_with(&spec, &hooks, &resumed, &err));
         assert_true(sp_packing_hash(&whole) == sp_packing_hash(&resumed));
-        sp_packing_free(&whole);
-        sp_packing_free(&resumed);
         free(k.bytes);
     }
 }

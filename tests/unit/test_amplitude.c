@@ -19,7 +19,7 @@ static double *source_of(const sp_network *net) {
 
 /* Largest defect of the balance in a run with steps h, and what happened to contacts. */
 static double defect_of(const sp_packing *p, double amplitude, double until, int steps, sp_amplitude_front *counts) {
-    sp_network net = carried_network(p);
+    FREED(sp_network) net = carried_network(p);
     motion s;
     double *a = source_of(&net), worst = 0;
     assert_ok(sp_motion_make(p, &net, SP_MOTION_NEAR, 0, NULL, &s, &err));
@@ -32,7 +32,6 @@ static double defect_of(const sp_packing *p, double amplitude, double until, int
     sp_motion_count(&s, counts);
     counts->energy = sp_motion_energy(&s);
     sp_motion_free(&s);
-    sp_network_free(&net);
     free(a);
     return worst;
 }

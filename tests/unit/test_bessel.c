@@ -46,8 +46,8 @@ TEST(test_all_orders) {
     for (int q = 0; q < ARGUMENTS; q++) {
         const double x = arguments[q];
         const int n = (int)sp_bessel_orders(x) + 10;
-        double *j = calloc((size_t)n, sizeof *j);
-        extended *exact = calloc((size_t)n, sizeof *exact);
+        RELEASED double *j = calloc((size_t)n, sizeof *j);
+        RELEASED extended *exact = calloc((size_t)n, sizeof *exact);
         sp_bessel_j(x, n, j);
         extended_bessel(x, n, exact);
         double squares = -j[0] * j[0];
@@ -58,8 +58,6 @@ TEST(test_all_orders) {
         assert_close(squares, 1, 1e-14);
         assert_true(fabsl(exact[n - 10]) < 1e-20L); /* what counts as 0 */
         assert_true(j[n - 1] == 0 || x < 1e-4);
-        free(exact);
-        free(j);
     }
 }
 

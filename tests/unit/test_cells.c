@@ -18,11 +18,10 @@ static sp_packing packing(int k) {
 
 TEST(packings_are_at_rest) {
     for (int k = 0; k < PACKINGS; k++) {
-        sp_packing p = packing(k);
+        FREED(sp_packing) p = packing(k);
         sp_audit a;
         assert_ok(sp_packing_audit(&p, 1e-4, &a, &err));
         assert_true(a.force_residual < 1e-9 && a.wall_residual < 1e-12 && a.missing == 0);
-        sp_packing_free(&p);
     }
 }
 
@@ -32,11 +31,11 @@ TEST(packings_are_at_rest) {
  * turn. Dense and sparse solvers, counts and null motions agree. */
 TEST(translations_are_free) {
     for (int k = 0; k < 2 * PACKINGS; k++) {
-        sp_packing p = packing(k / 2);
-        sp_network net = network_of(&p, k % 2);
+        FREED(sp_packing) p = packing(k / 2);
+        FREED(sp_network) net = network_of(&p, k % 2);
         const sp_modes_options o = sp_modes_options_default();
         const sp_modes_range all = sp_modes_range_all(), few = sp_modes_range_lowest(4);
-        sp_modes dense = sp_modes_none(), sparse = sp_modes_none(), low = sp_modes_none();
+        FREED(sp_modes) dense = sp_modes_none(), sparse = sp_modes_none(), low = sp_modes_none();
         sp_zero_modes z;
         assert_ok(sp_zero_modes_count(&net, &z, &err));
         assert_int_equal(z.rigid, p.dim);
@@ -55,19 +54,14 @@ TEST(translations_are_free) {
             assert_close(sparse.omega[sparse.n_zero + q], omega, 1e-9);
         }
         assert_true(isnan(dense.a[0]) && isnan(dense.b[0])); /* no walls */
-        sp_modes_free(&low);
-        sp_modes_free(&sparse);
-        sp_modes_free(&dense);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 /* A box holds its grains. A piece of a lattice that floats in a periodic cell turns, too. */
 TEST(boxes_hold_and_pieces_turn) {
     for (int dim = 2; dim <= 3; dim++) {
-        sp_packing box = cells_packing(SP_CELL_BOX, dim, 40, dim == 2 ? 0.95 : 0.75, NULL, 0, 5);
-        sp_packing piece = dim == 2 ? cells_triangular(5, 6, 0.01, 0) : cells_fcc(3, 0.01, 0);
+        FREED(sp_packing) box = cells_packing(SP_CELL_BOX, dim, 40, dim == 2 ? 0.95 : 0.75, NULL, 0, 5);
+        FREED(sp_packing) piece = dim == 2 ? cells_triangular(5, 6, 0.01, 0) : cells_fcc(3, 0.01, 0);
         sp_network net = network_of(&box, false);
         sp_zero_modes z;
         assert_true(net.n_springs - net.n_bulk > 2 * dim);
@@ -90,8 +84,6 @@ TEST(boxes_hold_and_pieces_turn) {
         assert_ok(sp_zero_modes_count(&net, &z, &err));
         assert_int_equal(z.rigid, dim == 2 ? 3 : 6);
         sp_network_free(&net);
-        sp_packing_free(&piece);
-        sp_packing_free(&box);
     }
 }
 
@@ -100,10 +92,10 @@ TEST(boxes_hold_and_pieces_turn) {
 /* A plane moves the grains of its layer, across the period, and nothing else; in every kind of cell. */
 TEST(planes_are_sources) {
     for (int cell = 0; cell < 3; cell++) {
-        sp_packing p = cells_packing((sp_cell)cell, 2, 40, 0.95, NULL, 0.3, 6);
-        sp_network net = network_of(&p, false);
+        FREED(sp_packing) p = cells_packing((sp_cell)cell, 2, 40, 0.95, NULL, 0.3, 6);
+        FREED(sp_network) net = network_of(&p, false);
         const int64_t n = sp_network_dofs(&net);
-        double *out = malloc((size_t)n * sizeof *out);
+        RELEASED double *out = malloc((size_t)n * sizeof *out);
         for (int kind = SP_SOURCE_IMPULSE; kind <= SP_SOURCE_DISPLACEMENT; kind++) {
             const sp_place at = {.kind = SP_PLACE_PLANE, .height = 0.2};
             int moved = 0, around = 0;
@@ -118,14 +110,11 @@ TEST(planes_are_sources) {
             }
             assert_true(moved > 2 && (around > 0) == (p.cell == SP_CELL_PERIODIC));
         }
-        free(out);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 TEST(walls_are_refused) {
-    sp_packing p = packing(1);
+    FREED(sp_packing) p = packing(1);
     sp_network net = network_of(&p, false);
     double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
     const sp_place places[] = {{.kind = SP_PLACE_WALL}, {.kind = SP_PLACE_PART, .to = 1}};
@@ -142,7 +131,6 @@ TEST(walls_are_refused) {
     }
     free(out);
     sp_network_free(&net);
-    sp_packing_free(&p);
     sp_packing thin = cells_square(5, 8, 0, 1e-4, 0); /* rows at 0.25, 1.25, ... */
     thin.box[1] *= 2;                                 /* a gap above them */
     add_contacts(&thin);
@@ -160,7 +148,7 @@ TEST(walls_are_refused) {
 /* Nothing is left out of a periodic cell; its stress has the pressure as its mean. */
 TEST(statics_of_the_cell) {
     for (int k = 0; k < PACKINGS; k++) {
-        sp_packing p = packing(k);
+        FREED(sp_packing) p = packing(k);
         sp_statics s, wide;
         assert_ok(sp_statics_make(&p, 1e-4, 3, &s, &err));
         assert_ok(sp_statics_make(&p, 1e-4, 1e3, &wide, &err));
@@ -171,19 +159,17 @@ TEST(statics_of_the_cell) {
         assert_relative(s.s12_over_s2, (p.dim == 3 ? s.s_xz : s.s_xy) / (p.dim == 3 ? s.s_zz : s.s_yy), 1e-9);
         assert_true(s.zs > (p.friction > 0 ? 2 : 2 * p.dim) && s.zs < 4 * p.dim);
         int bonds = 0, rattlers = 0;
-        uint8_t *carrying = malloc((size_t)p.n_contacts);
+        RELEASED uint8_t *carrying = malloc((size_t)p.n_contacts);
         assert_ok(sp_packing_rattlers(&p, 1e-4, NULL, carrying, &rattlers, &err));
         for (int c = 0; c < p.n_contacts; c++)
             bonds += carrying[c];
         assert_relative(s.zs, 2.0 * bonds / (p.n - rattlers), 1e-12);
-        free(carrying);
-        sp_packing_free(&p);
     }
 }
 
 /* Shares of grains at the edges and corners of the bulk of a box: halves of halves by symmetry, else by Monte Carlo. */
 TEST(bulk_of_a_box) {
-    sp_packing p = cells_packing(SP_CELL_BOX, 3, 20, 0.6, NULL, 0, 8);
+    FREED(sp_packing) p = cells_packing(SP_CELL_BOX, 3, 20, 0.6, NULL, 0, 8);
     const bulk b = sp_bulk_of(&p, 0.5);
     const double r = 0.4, edge = p.box[0] - 1, middle = 0.5 * p.box[0];
     assert_relative(b.volume, edge * edge * edge, 1e-12);
@@ -220,7 +206,6 @@ TEST(bulk_of_a_box) {
         inside += square < r * r && sp_bulk_has(&b, x);
     }
     assert_close(sp_bulk_ball(&b, off, r), inside / (double)all, 4e-3);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

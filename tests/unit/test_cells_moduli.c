@@ -12,7 +12,7 @@ static sp_network network_of(const sp_packing *p, bool prestress) {
 }
 
 static sp_elasticity elasticity_of(const sp_packing *p, bool prestress) {
-    sp_network net = network_of(p, prestress);
+    FREED(sp_network) net = network_of(p, prestress);
     sp_elasticity e;
     sp_moduli m;
     assert_ok(sp_elasticity_make(&net, 0.5, &m, &e, &err));
@@ -24,7 +24,6 @@ static sp_elasticity elasticity_of(const sp_packing *p, bool prestress) {
             assert_close(e.c[a][b], e.c[b][a], 1e-12 * e.c[0][0]);
             assert_true(e.error[a][b] < 1e-10 * e.c[0][0]);
         }
-    sp_network_free(&net);
     return e;
 }
 
@@ -65,7 +64,7 @@ TEST(square_lattice) {
 TEST(triangular_lattice) {
     const double overlap = 0.01, k = 0.25 * sqrt(3) * stiffness(overlap);
     for (int rows = 3; rows <= 6; rows++) { /* tilts of 0 and of half a column, to both sides */
-        sp_packing p = cells_triangular(5, rows, overlap, 0);
+        FREED(sp_packing) p = cells_triangular(5, rows, overlap, 0);
         const sp_elasticity e = elasticity_of(&p, false);
         const double c[] = {3 * k, k, 0, k, 3 * k, 0, 0, 0, k};
         assert_tensor(&e, c, 1e-12);
@@ -73,7 +72,6 @@ TEST(triangular_lattice) {
         assert_relative(e.shear, k, 1e-12);
         assert_close(e.anisotropy, 0, 1e-12);
         assert_close(e.bulk, 2 * k, e.bulk_error + 1e-15 * k);
-        sp_packing_free(&p);
     }
 }
 
@@ -83,7 +81,7 @@ TEST(fcc_lattice) {
     const double overlap = 0.01, k = stiffness(overlap) / (sqrt(2) * (1 - overlap));
     const double c[36] = {2 * k, k, k, 0, 0, 0, k, 2 * k, k, 0, 0, 0, k, k, 2 * k, 0, 0, 0,
                           0,     0, 0, k, 0, 0, 0, 0,     0, 0, k, 0, 0, 0, 0,     0, 0, k};
-    sp_packing cube = cells_fcc(3, overlap, 0), turned = cells_fcc_tilted(4, overlap, 0);
+    FREED(sp_packing) cube = cells_fcc(3, overlap, 0), turned = cells_fcc_tilted(4, overlap, 0);
     const sp_elasticity e[2] = {elasticity_of(&cube, false), elasticity_of(&turned, false)};
     assert_tensor(&e[0], c, 1e-12);
     assert_true(fabs(turned.tilt[0]) > 0.1 && fabs(turned.tilt[1]) > 0.1 && fabs(turned.tilt[2]) > 0.1);
@@ -92,29 +90,24 @@ TEST(fcc_lattice) {
         assert_relative(e[q].shear, 0.8 * k, 1e-12);
         assert_relative(e[q].anisotropy, 0.2, 1e-12);
     }
-    sp_packing_free(&turned);
-    sp_packing_free(&cube);
 }
 
 /* The same lattice under a piston whose walls are like grains: one spring more up, one row of length less. */
 TEST(piston_and_periodic) {
     const double overlap = 1e-6, across = 1 - overlap, height = 4 * across + 1 - 2 * overlap;
-    sp_packing p = cells_square(6, 5, 0, overlap, 0.3), piston = cells_square(6, 5, 0, overlap, 0.3);
+    FREED(sp_packing) p = cells_square(6, 5, 0, overlap, 0.3), piston = cells_square(6, 5, 0, overlap, 0.3);
     piston.cell = SP_CELL_PISTON;
     piston.wall = SP_WALL_GRAIN;
     piston.box[1] = height;
     for (int i = 0; i < piston.n; i++)
         piston.x[3 * i + 1] += 0.5 - overlap - 0.25 * across;
     add_contacts(&piston);
-    sp_network net = network_of(&piston, false);
+    FREED(sp_network) net = network_of(&piston, false);
     sp_moduli m;
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
     const sp_elasticity e = elasticity_of(&p, false);
     assert_relative(m.c22, e.c[1][1] * height / (6 * across), 1e-5);
     assert_relative(m.c11, e.c[0][0] * 5 * across / height, 1e-5);
-    sp_network_free(&net);
-    sp_packing_free(&piston);
-    sp_packing_free(&p);
 }
 
 /* ---- strained cells --------------------------------------------------------------------------------------------- */
@@ -173,8 +166,8 @@ TEST(energies_of_strained_cells) {
     static const int along[2][6] = {{0, 1, 0}, {0, 1, 2, 1, 0, 0}}, of[2][6] = {{0, 1, 1}, {0, 1, 2, 2, 2, 1}};
     const double step = 2e-6;
     for (int dim = 2; dim <= 3; dim++) {
-        sp_packing p = cells_packing(SP_CELL_PERIODIC, dim, dim == 2 ? 24 : 30, dim == 2 ? 0.95 : 0.75,
-                                     dim == 2 ? (double[3]){-0.2} : tilted, 0, 11);
+        FREED(sp_packing) p = cells_packing(SP_CELL_PERIODIC, dim, dim == 2 ? 24 : 30, dim == 2 ? 0.95 : 0.75,
+                                            dim == 2 ? (double[3]){-0.2} : tilted, 0, 11);
         const sp_elasticity e = elasticity_of(&p, true), plain = elasticity_of(&p, false);
         const double volume = sp_packing_volume(&p);
         double worst = 0, least = 0;
@@ -183,11 +176,10 @@ TEST(energies_of_strained_cells) {
             for (int sign = -1; sign <= 1; sign += 2) {
                 double f[3][3] = {{1}, {0, 1}, {0, 0, 1}}, g[3][3];
                 f[along[dim - 2][b]][of[dim - 2][b]] += sign * step;
-                sp_packing q = deformed(&p, (const double(*)[3])f);
+                FREED(sp_packing) q = deformed(&p, (const double(*)[3])f);
                 gradient(&q, (const double(*)[3])f, g);
                 for (int k = 0; k < 9; k++)
                     change[k / 3][k % 3] += sign * g[k / 3][k % 3] / (2 * step * volume);
-                sp_packing_free(&q);
             }
             for (int a = 0; a < e.strains; a++) {
                 worst = fmax(worst, fabs(change[along[dim - 2][a]][of[dim - 2][a]] - e.c[a][b]) / e.c[0][0]);
@@ -201,12 +193,10 @@ TEST(energies_of_strained_cells) {
         double pressure[2];
         for (int k = 0; k < 2; k++) {
             const double s = 1 + (k ? step : -step), f[3][3] = {{s}, {0, s}, {0, 0, dim == 3 ? s : 1}};
-            sp_packing q = deformed(&p, f);
+            FREED(sp_packing) q = deformed(&p, f);
             pressure[k] = q.pressure;
-            sp_packing_free(&q);
         }
         assert_relative(e.bulk, (pressure[0] - pressure[1]) / (2 * step * dim), 1e-6);
-        sp_packing_free(&p);
     }
 }
 
@@ -215,9 +205,9 @@ TEST(energies_of_strained_cells) {
 TEST(finite_strains) {
     for (int q = 0; q < 4; q++) {
         const int dim = 2 + q / 2;
-        sp_packing p = cells_packing(q % 2 ? SP_CELL_BOX : SP_CELL_PERIODIC, dim, 24, dim == 2 ? 0.95 : 0.75, NULL, 0.4,
-                                     13 + (unsigned)q);
-        sp_network net = network_of(&p, false);
+        FREED(sp_packing) p = cells_packing(q % 2 ? SP_CELL_BOX : SP_CELL_PERIODIC, dim, 24, dim == 2 ? 0.95 : 0.75,
+                                            NULL, 0.4, 13 + (unsigned)q);
+        FREED(sp_network) net = network_of(&p, false);
         sp_finite_strain_options o = sp_finite_strain_options_default();
         sp_finite_strain s;
         sp_moduli m;
@@ -232,14 +222,13 @@ TEST(finite_strains) {
         assert_relative(dim == 3 ? s.moduli.c66 : s.moduli.c12, dim == 3 ? m.c66 : m.c12, 1e-5);
         assert_close(e.c[0][1], e.c[1][0], 1e-12 * e.c[0][0]); /* boxes, too */
         assert_true(e.bulk > 0 && e.shear > 0 && isnan(m.c_l));
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 /* Rattlers and what floats do no harm; a cell that nothing crosses is floppy; probes need two walls. */
 TEST(refusals) {
-    sp_packing p = cells_packing(SP_CELL_PERIODIC, 2, 30, 0.9, NULL, 0, 17), piece = cells_triangular(5, 6, 0.01, 0);
+    FREED(sp_packing) p = cells_packing(SP_CELL_PERIODIC, 2, 30, 0.9, NULL, 0, 17),
+                      piece = cells_triangular(5, 6, 0.01, 0);
     sp_network net = network_of(&p, false);
     const sp_probe probe = {SP_PROBE_SINE, 1};
     sp_probe_moduli measured;
@@ -252,8 +241,6 @@ TEST(refusals) {
     sp_elasticity e;
     assert_fails(sp_elasticity_make(&net, 0.5, NULL, &e, &err), SP_EREFUSED, "floppy");
     sp_network_free(&net);
-    sp_packing_free(&piece);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

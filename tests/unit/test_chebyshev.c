@@ -81,7 +81,7 @@ TEST(test_sleep) {
     FREED(sp_packing) p = chain_packing(2600, 1e-4);
     FREED(sp_network) net = network_of(&p, false);
     const double spans[] = {300, 2600}; /* sound takes some 4900 */
-    sp_operator op = {0};
+    FREED(sp_operator) op = {0};
     recurrence r = {0};
     int64_t at[2] = {0, 0};
     double one[2] = {1, 1};
@@ -98,7 +98,6 @@ TEST(test_sleep) {
     }
     assert_true(r.dropped == 0 || sp_recurrence_dropped(&r, 700) < 1e-25);
     sp_recurrence_free(&r);
-    sp_operator_free(&op);
     for (size_t k = 0; k < sizeof spans / sizeof *spans; k++) {
         const sp_place to[] = {{.kind = SP_PLACE_GRAIN, .grain = 800}, {.kind = SP_PLACE_GRAIN, .grain = 1500}};
         sp_signal_options o = options_of(SP_SOURCE_IMPULSE, spans[k], 11);
@@ -130,7 +129,7 @@ TEST(test_threads) {
     const sp_place to[] = {{.kind = SP_PLACE_PLANE, .height = 11.1}, {.kind = SP_PLACE_PLANE, .height = 5.5}};
     o.to = to;
     o.detectors = 2;
-    sp_signal one = sp_signal_none();
+    FREED(sp_signal) one = sp_signal_none();
     FREED(sp_operator) op = {0};
     assert_ok(sp_signal_make(&net, &o, &one, &err));
     assert_true(peak_of(one.n, one.f) > 0);
@@ -141,7 +140,6 @@ TEST(test_threads) {
         assert_memory_equal(s.f, one.f, 2 * (size_t)s.n * sizeof *s.f);
         assert_true(s.error == one.error);
     }
-    sp_signal_free(&one);
     assert_ok(sp_operator_make(&net, &op, &err));
     assert_true(op.blocks > 32); /* enough for several threads */
     recurrence r[2] = {{0}, {0}};

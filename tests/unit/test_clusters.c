@@ -134,7 +134,7 @@ static void fill(graph *g, const int32_t *bars, int32_t without, space *s) {
 
 static int check_game(graph *g) {
     const sp_clusters_options o = sp_clusters_options_default();
-    sp_clusters c;
+    FREED(sp_clusters) c;
     space all, less;
     int32_t moves = g->net.n * g->net.dof, walls = 0;
     bool with[ENDS][ENDS];
@@ -160,7 +160,6 @@ static int check_game(graph *g) {
         }
     }
     const int several = c.count > 1 && c.grains[0] > 2;
-    sp_clusters_free(&c);
     return several;
 }
 
@@ -303,8 +302,8 @@ TEST(test_hinges_in_space) {
 }
 
 TEST(test_packings) {
-    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
-    sp_network net = default_network(&p);
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    FREED(sp_network) net = default_network(&p);
     sp_clusters c = sp_clusters_none();
     sp_clusters_options o = sp_clusters_options_default();
     for (int method = SP_CLUSTERS_GAME; method <= SP_CLUSTERS_MOTIONS; method++) {
@@ -317,8 +316,6 @@ TEST(test_packings) {
     assert_fails(sp_clusters_make(&p, &net, &o, &c, &err), SP_EINVAL, "sliding");
     o = (sp_clusters_options){.method = (sp_clusters_method)7};
     assert_fails(sp_clusters_make(&p, &net, &o, &c, &err), SP_EINVAL, "7");
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -61,14 +61,13 @@ TEST(test_period_two) {
 }
 
 static double shifted(const sp_tapped_spec *c, const sp_tapped_state *s, int32_t k, double h, int32_t row) {
-    sp_tapped_state p;
+    FREED(sp_tapped_state) p;
     assert_ok(sp_tapped_state_make(c, &p, &err));
     memcpy(p.overlap, s->overlap, (size_t)c->particles * sizeof(double));
     memcpy(p.opening, s->opening, (size_t)c->particles * sizeof(double));
     *(k < c->particles ? p.overlap + k : p.opening + k - c->particles) += h;
     assert_ok(sp_tapped_map(c, &p, 1, NULL, &err));
     double value = row < c->particles ? p.overlap[row] : p.opening[row - c->particles];
-    sp_tapped_state_free(&p);
     return value;
 }
 

@@ -52,10 +52,9 @@ static recorded record(const sp_pack_spec *spec) {
     const sp_machine machine = sp_machine_reference();
     const sp_packing_forecast f = sp_packing_expect(spec, 1, &machine);
     recorded r = {.expected = f.steps, .left = sp_remaining_begin(f.steps, 0, 1)};
-    sp_packing p = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none();
     assert_ok(sp_packing_make(spec, watch, &r, &p, &err));
     r.total = (double)p.steps;
-    sp_packing_free(&p);
     return r;
 }
 

@@ -37,9 +37,9 @@ TEST(test_balls) {
     const double damping[] = {1e-6, 0.01, 0.3, M_SQRT1_2, 0.9, 5};
     for (size_t q = 0; q < sizeof damping / sizeof *damping; q++)
         for (int n = 1; n <= 2; n++) {
-            sp_packing p = chain_packing(n, 1e-4);
-            sp_network net = default_network(&p);
-            sp_damped_modes m = sp_damped_modes_none();
+            FREED(sp_packing) p = chain_packing(n, 1e-4);
+            FREED(sp_network) net = default_network(&p);
+            FREED(sp_damped_modes) m = sp_damped_modes_none();
             assert_ok(sp_damped_modes_make(&net, damping[q], SP_SOURCE_IMPULSE, &m, &err));
             const double w2 = net.springs[0].kn / net.mass[0], d = damping[q] * sqrt(w2);
             double omega[2], decay[2];
@@ -60,18 +60,15 @@ TEST(test_balls) {
             else
                 assert_int_equal(m.n, count);
             assert_true(m.residual < 1e-14);
-            sp_damped_modes_free(&m);
-            sp_network_free(&net);
-            sp_packing_free(&p);
         }
 }
 
 /* The eigenvalues add up to -tr M^-1 C, and the modes to the signal. */
 static void check_sum(const sp_network *net, double zeta, sp_source source, double until) {
     enum { POINTS = 30 };
-    sp_damped_modes m = sp_damped_modes_none();
-    sp_network dashpots = sp_network_none();
-    sp_signal s = sp_signal_none();
+    FREED(sp_damped_modes) m = sp_damped_modes_none();
+    FREED(sp_network) dashpots = sp_network_none();
+    FREED(sp_signal) s = sp_signal_none();
     sp_signal_options o = sp_signal_options_default();
     const size_t n = (size_t)sp_network_dofs(net);
     double *unit = calloc(2 * n, sizeof *unit), trace = 0, sum = 0, error = 0, largest = 0;
@@ -108,27 +105,22 @@ static void check_sum(const sp_network *net, double zeta, sp_source source, doub
         assert_close(f, s.f[l], 1e-9 * largest);
     }
     free(unit);
-    sp_signal_free(&s);
-    sp_network_free(&dashpots);
-    sp_damped_modes_free(&m);
 }
 
 TEST(test_sum) {
     for (int q = 0; q < 4; q++) {
-        sp_packing p =
+        FREED(sp_packing) p =
             q == 0 ? chain_packing(9, 1e-4) : scattered_packing(q < 3 ? 2 : 3, q < 3 ? 4 : 3, q == 1 ? 0 : 0.5, 8);
-        sp_network net = default_network(&p);
+        FREED(sp_network) net = default_network(&p);
         for (double zeta = 0.01; zeta < 3; zeta *= 14)
             for (int source = 0; source < 3; source += 2)
                 check_sum(&net, zeta, (sp_source)source, q == 0 ? 40 : 4);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 TEST(test_refusals) {
-    sp_packing p = chain_packing(SP_DAMPED_MODES_MAX + 1, 1e-4), small = chain_packing(3, 1e-4);
-    sp_network net = default_network(&p), few = default_network(&small);
+    FREED(sp_packing) p = chain_packing(SP_DAMPED_MODES_MAX + 1, 1e-4), small = chain_packing(3, 1e-4);
+    FREED(sp_network) net = default_network(&p), few = default_network(&small);
     sp_damped_modes m = sp_damped_modes_none();
     assert_fails(sp_damped_modes_make(&net, 0.1, SP_SOURCE_IMPULSE, &m, &err), SP_EREFUSED, "2000");
     assert_fails(sp_damped_modes_make(&few, 0, SP_SOURCE_IMPULSE, &m, &err), SP_EINVAL, "damping 0");
@@ -137,10 +129,6 @@ TEST(test_refusals) {
     assert_fails(sp_eigen_general(2, a, re, im, vectors, &err), SP_EINVAL, "");
     assert_fails(sp_eigen_general(0, a, re, im, vectors, &err), SP_EINVAL, "0");
     EACH_ALLOCATION_FAILS(10, sp_damped_modes_make(&few, 0.1, SP_SOURCE_IMPULSE, &m, &err), sp_damped_modes_free(&m));
-    sp_network_free(&net);
-    sp_network_free(&few);
-    sp_packing_free(&p);
-    sp_packing_free(&small);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -81,7 +81,7 @@ TEST(the_numbers_decide_the_sample) {
     const char *lists[] = {"0.9\n1.1\n1\n1\n1\n", "0.9\n1.1\n1\n1\n1.0000000000000002\n", "0.90 \n1.1\n1\n1\n1"};
     char names[3][SP_NAME_MAX];
     for (int k = 0; k < 3; k++) {
-        sp_scene s, back, one;
+        FREED(sp_scene) s, back, one;
         write_file("d.txt", lists[k]);
         assert_ok(read_scene("diameter_file = \"d.txt\";", NULL, &s, &err));
         sp_sample_name(&s, names[k]);
@@ -96,16 +96,12 @@ TEST(the_numbers_decide_the_sample) {
         assert_ok(sp_study_scene(&s, 0, &one, &err));
         assert_ptr_equal(one.pack.diameters, s.pack.diameters);
         assert_false(owns(&one, one.pack.diameters));
-        sp_packing p = sp_packing_none();
+        FREED(sp_packing) p = sp_packing_none();
         assert_ok(sp_packing_make(&one.pack, NULL, NULL, &p, &err));
         for (int i = 0; i < 5; i++)
             assert_true(2 * p.r[i] == s.pack.diameters[i]);
-        sp_packing_free(&p);
-        sp_scene_free(&one);
         sp_free(again);
         sp_free(text);
-        sp_scene_free(&back);
-        sp_scene_free(&s);
     }
     assert_string_not_equal(names[0], names[1]);
     assert_string_equal(names[0], names[2]);

@@ -169,7 +169,7 @@ TEST(test_strange_shapes) {
 TEST(test_factors) {
     srand(9);
     sp_network net = make_cloud(&(cloud){3, 2500, SP_CELL_PERIODIC, {9.4, 9.4, 9.4}, {0}});
-    sp_sparse a;
+    FREED(sp_sparse) a;
     sp_ldl *f[2];
     assert_ok(sp_network_assemble(&net, &a, &err));
     RELEASED double *b = malloc(SP_LDL_LANES * (size_t)a.n * sizeof *b);
@@ -206,7 +206,6 @@ TEST(test_factors) {
         sp_ldl_free(f[k]);
         free(x[k]);
     }
-    sp_sparse_free(&a);
     free_cloud(&net);
 }
 

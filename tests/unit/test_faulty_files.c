@@ -8,10 +8,9 @@
 #include <sonopack/table.h>
 
 static const char *saved_packing(void) {
-    sp_packing p = fixture_packing(3, 2, 4000);
+    FREED(sp_packing) p = fixture_packing(3, 2, 4000);
     const char *path = fixture_path(folder, "p.h5");
     assert_ok(sp_packing_save(&p, path, &err));
-    sp_packing_free(&p);
     return path;
 }
 
@@ -33,7 +32,7 @@ TEST_IN_FOLDER(shortened_while_read) {
 /* Whatever is longer than the file was is not looked at. */
 TEST_IN_FOLDER(grown_while_read) {
     const char *path = saved_packing();
-    sp_packing p = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none();
     sp_error reason = {0}; /* an open file keeps it */
     sp_h5 h;
     assert_int_equal(sp_h5_open(&h, path, &reason), SP_OK);
@@ -44,12 +43,11 @@ TEST_IN_FOLDER(grown_while_read) {
     assert_int_equal(sp_packing_get(&h, &p), SP_OK);
     sp_h5_close(&h);
     assert_int_equal(p.n, 4000);
-    sp_packing_free(&p);
 }
 
 TEST_IN_FOLDER(no_memory_to_open) {
     const char *path = saved_packing();
-    sp_packing p = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none();
     sp_error reason = {0};
     sp_h5 h;
     sp_alloc_fail_after(0);
@@ -58,12 +56,11 @@ TEST_IN_FOLDER(no_memory_to_open) {
     assert_non_null(strstr(reason.text, path));
     sp_h5_close(&h);
     assert_ok(sp_packing_read(path, &p, &err));
-    sp_packing_free(&p);
 }
 
 /* A row whose text finds no memory is no row. */
 TEST_IN_FOLDER(no_memory_for_a_row) {
-    sp_table t = sp_table_none();
+    FREED(sp_table) t = sp_table_none();
     assert_ok(sp_table_add_column(&t, "file", "", SP_COLUMN_TEXT, &err));
     assert_ok(sp_table_add_column(&t, "x", "", SP_COLUMN_NUMBER, &err));
     assert_ok(sp_table_add_column(&t, "reason", "", SP_COLUMN_TEXT, &err));
@@ -76,7 +73,6 @@ TEST_IN_FOLDER(no_memory_for_a_row) {
     }
     assert_ok(sp_table_add_row(&t, &err, "c", 3.0, "-"));
     assert_int_equal(t.rows, 2);
-    sp_table_free(&t);
 }
 
 RUN_TESTS(NULL, NULL)

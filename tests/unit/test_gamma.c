@@ -17,9 +17,9 @@ static double complex number(double re, double im) { return re + im * _Complex_I
 TEST(test_two_balls) {
     const double factors[] = {1e-3, 0.1, 0.9};
     for (size_t q = 0; q < 3; q++) {
-        sp_packing p = chain_packing(2, 1e-4);
-        sp_network net = default_network(&p);
-        sp_damped_modes m = sp_damped_modes_none();
+        FREED(sp_packing) p = chain_packing(2, 1e-4);
+        FREED(sp_network) net = default_network(&p);
+        FREED(sp_damped_modes) m = sp_damped_modes_none();
         const double k = net.springs[0].kn, mass = net.mass[0], gamma = factors[q] * sqrt(mass * k);
         const sp_damping law = {SP_DAMPING_GAMMA, gamma, 1};
         assert_ok(sp_damped_modes_with(&net, &law, SP_SOURCE_IMPULSE, &m, &err));
@@ -34,9 +34,6 @@ TEST(test_two_balls) {
             assert_close(quality, sqrt(omega2) / (2 * decay), error);
             assert_true(error < 1e-10 * quality);
         }
-        sp_damped_modes_free(&m);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -44,8 +41,8 @@ TEST(test_two_balls) {
  * waves: 1/Q = omega gamma/K, so that alpha rises with omega^2. */
 TEST(test_chain) {
     enum { GRAINS = 60, FREQUENCIES = 6 };
-    sp_packing p = chain_packing(GRAINS, 1e-4);
-    sp_network net = default_network(&p);
+    FREED(sp_packing) p = chain_packing(GRAINS, 1e-4);
+    FREED(sp_network) net = default_network(&p);
     const double k = net.springs[0].kn, m = net.mass[0], top = 2 * sqrt(k / m), c = 0.02 * sqrt(m * k);
     double omega[FREQUENCIES];
     sp_harmonic_options o = sp_harmonic_options_default();
@@ -55,7 +52,7 @@ TEST(test_chain) {
     o.n = FREQUENCIES;
     o.planes = GRAINS - 1;
     for (int kind = SP_DAMPING_GAMMA; kind <= SP_DAMPING_MASS; kind++) {
-        sp_harmonic h = sp_harmonic_none();
+        FREED(sp_harmonic) h = sp_harmonic_none();
         o.damping_kind = (sp_damping_kind)kind;
         o.damping = kind == SP_DAMPING_GAMMA ? c : c / (0.5 * m);
         /* the walls' dashpots differ for mass, but the waves inside do not know */
@@ -71,10 +68,7 @@ TEST(test_chain) {
             if (l == 0)
                 assert_close(quality * omega[l] * c / k, 1, 2e-3);
         }
-        sp_harmonic_free(&h);
     }
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 static double pseudo(int64_t k) { return sin(1.3 * (double)k * (double)k + 0.7); }
@@ -83,11 +77,11 @@ static double pseudo(int64_t k) { return sin(1.3 * (double)k * (double)k + 0.7);
  * feels gamma times its velocity against that of each neighbour. Walls count as neighbours at rest. */
 TEST(test_laplacian) {
     for (int dim = 2; dim <= 3; dim++) {
-        sp_packing p = scattered_packing(dim, 4, 0, 3);
-        sp_network net = default_network(&p), dashpots = sp_network_none();
+        FREED(sp_packing) p = scattered_packing(dim, 4, 0, 3);
+        FREED(sp_network) net = default_network(&p), dashpots = sp_network_none();
         const sp_damping law = {SP_DAMPING_GAMMA, 0.3, 1};
         const size_t n = (size_t)sp_network_dofs(&net);
-        double *v = calloc(n, sizeof *v), *ours = calloc(n, sizeof *ours), *theirs = calloc(n, sizeof *theirs);
+        RELEASED double *v = calloc(n, sizeof *v), *ours = calloc(n, sizeof *ours), *theirs = calloc(n, sizeof *theirs);
         assert_int_equal(net.dof, dim);
         for (size_t k = 0; k < n; k++)
             v[k] = pseudo((int64_t)k);
@@ -102,12 +96,6 @@ TEST(test_laplacian) {
                     theirs[j] -= force;
             }
         assert_close(difference((int)n, ours, theirs), 0, 1e-13);
-        free(v);
-        free(ours);
-        free(theirs);
-        sp_network_free(&dashpots);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -116,10 +104,10 @@ TEST(test_motion) {
     enum { POINTS = 21 };
     const double amplitudes[] = {1e-2, 1e-3, 1e-4};
     for (int q = 0; q < 6; q++) {
-        sp_packing p = scattered_packing(q / 2 == 2 ? 3 : 2, q / 2 == 2 ? 3 : 4, q / 2 ? 0.5 : 0, 5);
-        sp_network net = carried_network(&p);
+        FREED(sp_packing) p = scattered_packing(q / 2 == 2 ? 3 : 2, q / 2 == 2 ? 3 : 4, q / 2 ? 0.5 : 0, 5);
+        FREED(sp_network) net = carried_network(&p);
         sp_signal_options o = sp_signal_options_default();
-        sp_signal linear = sp_signal_none();
+        FREED(sp_signal) linear = sp_signal_none();
         double differ[3];
         o.until = 3;
         o.points = POINTS;
@@ -132,18 +120,14 @@ TEST(test_motion) {
         o.method = SP_SIGNAL_DYNAMICS;
         o.step = 2e-3;
         for (int k = 0; k < 3; k++) {
-            sp_signal s = sp_signal_none();
+            FREED(sp_signal) s = sp_signal_none();
             o.amplitude = amplitudes[k];
             assert_ok(sp_signal_compute(&p, &net, &o, &s, &err));
             differ[k] = difference(POINTS, s.f, linear.f);
-            sp_signal_free(&s);
         }
         for (int k = 1; k < 3; k++)
             if (fabs(log10(differ[k - 1] / differ[k]) - 1) > 0.1)
                 fail_msg("case %d: differences %g %g %g", q, differ[0], differ[1], differ[2]);
-        sp_signal_free(&linear);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -164,7 +148,7 @@ TEST(test_words) {
 }
 
 TEST(test_refusals) {
-    sp_packing p = chain_packing(3, 1e-4);
+    FREED(sp_packing) p = chain_packing(3, 1e-4);
     sp_network net = default_network(&p), out = sp_network_none();
     const sp_damping bad[] = {{SP_DAMPING_GAMMA, 0, 1},    {SP_DAMPING_GAMMA, -1, 1},  {SP_DAMPING_MASS, NAN, 1},
                               {SP_DAMPING_GAMMA, 1, -0.1}, {(sp_damping_kind)7, 1, 1}, {SP_DAMPING_MASS, 1, INFINITY}};
@@ -174,7 +158,6 @@ TEST(test_refusals) {
     sp_wave_quality(1, 0.1, 0.2, 0.1, &q, &error); /* alpha within three errors of 0 */
     assert_true(isnan(q) && isnan(error));
     sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -61,7 +61,8 @@ static double mean_x(const sp_packing *p, int axis) {
 TEST(a_cycle_of_pressure) {
     for (int dim = 2; dim <= 3; dim++) {
         const sp_pack_spec s = dim == 2 ? small(2, 80, 8, 1e-4) : small(3, 90, 5, 1e-4);
-        sp_packing first = make_packing(&s), low = make_from(&first, 1e-5, 1e-11), again = make_from(&low, 1e-4, 1e-10);
+        FREED(sp_packing) first = make_packing(&s), low = make_from(&first, 1e-5, 1e-11),
+                          again = make_from(&low, 1e-4, 1e-10);
         const sp_audit a = audited(&first, 1e-10), b = audited(&low, 1e-11), c = audited(&again, 1e-10);
         assert_true(b.carrying < a.carrying);
         assert_true(c.carrying > b.carrying);
@@ -70,16 +71,13 @@ TEST(a_cycle_of_pressure) {
         assert_true(fabs(sp_packing_height(&again) / h - 1) < (sp_packing_height(&low) / h - 1));
         assert_true(fabs(mean_x(&low, dim - 1) / sp_packing_height(&low) - mean_x(&first, dim - 1) / h) < 0.01);
         assert_true(low.box[0] == first.box[0]);
-        sp_packing_free(&again);
-        sp_packing_free(&low);
-        sp_packing_free(&first);
     }
 }
 
 TEST(the_same_pressure_again) {
     for (int dim = 2; dim <= 3; dim++) {
         const sp_pack_spec s = dim == 2 ? small(2, 80, 8, 1e-4) : small(3, 90, 5, 1e-4);
-        sp_packing first = make_packing(&s), again = make_from(&first, 1e-4, 1e-10);
+        FREED(sp_packing) first = make_packing(&s), again = make_from(&first, 1e-4, 1e-10);
         const double change = sp_packing_height(&again) / sp_packing_height(&first) - 1;
         double worst = 0;
         assert_int_equal(again.n_contacts, first.n_contacts);
@@ -93,8 +91,6 @@ TEST(the_same_pressure_again) {
                       worst / s.pressure, (long long)again.steps);
         assert_true(fabs(change) < 1e-6);
         assert_true(worst < 1e-4 * s.pressure);
-        sp_packing_free(&again);
-        sp_packing_free(&first);
     }
 }
 
@@ -128,7 +124,7 @@ TEST(a_history_in_one_making) {
     s.history_count = 3;
     stages seen = {0};
     sp_pack_hooks hooks = {.stage = keep_stage, .user = &seen};
-    sp_packing p = sp_packing_none(), q = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none(), q = sp_packing_none();
     assert_ok(sp_packing_make_with(&s, &hooks, &p, &err));
     assert_int_equal(seen.count, 3);
     assert_true(p.pressure == 1e-4);
@@ -139,8 +135,6 @@ TEST(a_history_in_one_making) {
     q = make_packing(&s); /* the same grains, but no history */
     assert_true(memcmp(p.r, q.r, (size_t)p.n * sizeof *p.r) == 0);
     assert_true(sp_packing_height(&p) < sp_packing_height(&q));
-    sp_packing_free(&q);
-    sp_packing_free(&p);
 }
 
 TEST(sides_that_yield) {
@@ -152,7 +146,7 @@ TEST(sides_that_yield) {
             sp_pack_spec s = dim == 2 ? small(2, 80, 8, pressures[k]) : small(3, 90, 5, pressures[k]);
             s.tolerance = 1e-5 * s.pressure;
             s.compression = SP_COMPRESSION_ISOTROPIC;
-            sp_packing p = make_packing(&s);
+            FREED(sp_packing) p = make_packing(&s);
             audited(&p, s.tolerance);
             sp_statics t;
             assert_ok(sp_statics_make(&p, 1e-4, 1, &t, &err));
@@ -160,7 +154,6 @@ TEST(sides_that_yield) {
                           t.s1_over_s2 - 1);
             assert_true(fabs(t.s1_over_s2 - 1) < 2e-3); /* contacts below the threshold are left out there */
             assert_true(p.box[0] < s.width);
-            sp_packing_free(&p);
         }
 }
 
@@ -171,11 +164,10 @@ static double closed_part(double alpha, double reduced) {
     s.diameter_min = 1 - 0.5 * alpha;
     s.diameter_max = 1 + 0.5 * alpha;
     s.tolerance = 1e-5 * s.pressure;
-    sp_packing p = make_packing(&s);
+    FREED(sp_packing) p = make_packing(&s);
     const sp_audit a = audited(&p, s.tolerance);
     const double part = a.carrying / (3.0 * p.n);
     print_message("P* = %g, alpha %g: %.4f of the lattice's contacts, width %.6g\n", reduced, alpha, part, p.box[0]);
-    sp_packing_free(&p);
     return part;
 }
 

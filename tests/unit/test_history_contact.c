@@ -174,7 +174,7 @@ static sp_status keep(const void *state, size_t size, void *user, sp_error *err)
 TEST(test_state) {
     const sp_pack_spec s = history_spec(false);
     kept k = {.wanted = 1};
-    sp_packing whole = sp_packing_none(), resumed = sp_packing_none();
+    FREED(sp_packing) whole = sp_packing_none(), resumed = sp_packing_none();
     sp_pack_hooks hooks = {.save = keep, .user = &k};
     assert_ok(sp_packing_make_with(&s, &hooks, &whole, &err));
     assert_non_null(k.bytes);
@@ -185,14 +185,12 @@ TEST(test_state) {
     other.tangential = SP_TANGENTIAL_CONSTANT;
     assert_int_equal(sp_pack_state_check(&other, k.bytes, k.size, NULL, NULL), SP_EFORMAT);
     free(k.bytes);
-    sp_packing_free(&whole);
-    sp_packing_free(&resumed);
 }
 
 /* The springs of the three kinds of networks, and that they bound each other. */
 TEST(test_networks) {
     sp_pack_spec s = history_spec(false);
-    sp_packing p = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none();
     sp_network net[3];
     assert_ok(sp_packing_make(&s, NULL, NULL, &p, &err));
     for (int k = 0; k < 3; k++) {
@@ -209,7 +207,6 @@ TEST(test_networks) {
     }
     for (int k = 0; k < 3; k++)
         sp_network_free(&net[k]);
-    sp_packing_free(&p);
 }
 
 TEST(test_refusals) {

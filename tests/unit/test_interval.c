@@ -205,12 +205,11 @@ static void fill(double x[SAMPLES][NUMBERS], double offset) {
 }
 
 static void resample(double x[SAMPLES][NUMBERS], int n, double level, sp_interval *out) {
-    sp_resampled r = sp_resampled_none();
+    FREED(sp_resampled) r = sp_resampled_none();
     assert_ok(sp_resampled_make(NUMBERS, level, &r, &err));
     for (int s = 0; s < n; s++)
         sp_resampled_add(&r, x[s]);
     assert_ok(sp_resampled_intervals(&r, out, &err));
-    sp_resampled_free(&r);
 }
 
 /* Against the bootstrap that keeps the samples. An end is a quantile of 1000 resamples, known to
@@ -251,7 +250,7 @@ TEST(one_at_a_time_again) {
     resample(x, SAMPLES, 0.95, b);
     assert_memory_equal(a, b, sizeof a);
     /* looking at them in between changes rounding at most, and a window of the numbers is as good as all */
-    sp_resampled r = sp_resampled_none();
+    FREED(sp_resampled) r = sp_resampled_none();
     assert_ok(sp_resampled_make(20, 0.95, &r, &err));
     for (int s = 0; s < SAMPLES; s++) {
         sp_resampled_add(&r, x[s] + 70);
@@ -259,7 +258,6 @@ TEST(one_at_a_time_again) {
             assert_ok(sp_resampled_intervals(&r, b, &err));
     }
     assert_ok(sp_resampled_intervals(&r, b, &err));
-    sp_resampled_free(&r);
     for (int k = 0; k < 20; k++) {
         assert_close(b[k].low, a[k + 70].low, 1e-12);
         assert_close(b[k].high, a[k + 70].high, 1e-12);
@@ -313,12 +311,11 @@ TEST(smooth_in_time) {
     assert_int_equal(sp_resampled_least(0.95), 8);
     assert_int_equal(sp_resampled_least(0.99), 10);
     for (int n = 2; n <= MOST; n += n < 12 ? 1 : 4) {
-        sp_resampled r = sp_resampled_none();
+        FREED(sp_resampled) r = sp_resampled_none();
         assert_ok(sp_resampled_make(TIMES, 0.95, &r, &err));
         for (int s = 0; s < n; s++)
             sp_resampled_add(&r, x[s]);
         assert_ok(sp_resampled_intervals(&r, i, &err));
-        sp_resampled_free(&r);
         double before = 0, largest = 0;
         for (int k = 0; k < TIMES; k++) {
             double column[MOST];
@@ -349,7 +346,7 @@ TEST(coverage_one_at_a_time) {
         const int n = numbers[q / 2], skew = q % 2;
         int held = 0;
         for (int k = 0; k < TRIALS; k += TOGETHER) {
-            sp_resampled r = sp_resampled_none();
+            FREED(sp_resampled) r = sp_resampled_none();
             assert_ok(sp_resampled_make(TOGETHER, 0.95, &r, &err));
             r.seed = (uint64_t)k + 1;
             for (int s = 0; s < n; s++) {
@@ -358,7 +355,6 @@ TEST(coverage_one_at_a_time) {
                 sp_resampled_add(&r, x[s]);
             }
             assert_ok(sp_resampled_intervals(&r, i, &err));
-            sp_resampled_free(&r);
             for (int v = 0; v < TOGETHER; v++)
                 held += i[v].low <= 0 && 0 <= i[v].high;
         }

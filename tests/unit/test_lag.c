@@ -197,12 +197,11 @@ TEST(test_packings_at_rest) {
             spec.width = 5;
             spec.friction = rough ? 0.5 : 0;
             spec.time_step = 0.8;
-            sp_packing p = sp_packing_none();
+            FREED(sp_packing) p = sp_packing_none();
             assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
             sp_audit audit;
             assert_ok(sp_packing_audit(&p, 1e-4, &audit, &err));
             assert_true(p.residual < 1e-10 && audit.wall_residual < 1e-5);
-            sp_packing_free(&p);
         }
 }
 

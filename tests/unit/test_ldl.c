@@ -58,15 +58,13 @@ static whole disconnected_matrix(int n) {
 }
 
 static whole stiffness_of(sp_packing p) {
-    sp_network net = default_network(&p);
-    sp_sparse k = {0};
+    FREED(sp_network) net = default_network(&p);
+    FREED(sp_sparse) k = {0};
     assert_ok(sp_network_assemble(&net, &k, &err));
     const whole a = zero_matrix((int)k.n);
     for (int c = 0; c < a.n; c++)
         for (int64_t q = k.p[c]; q < k.p[c + 1]; q++)
             set(&a, (int)k.i[q], c, k.x[q]);
-    sp_sparse_free(&k);
-    sp_network_free(&net);
     sp_packing_free(&p);
     return a;
 }
@@ -88,10 +86,9 @@ static sp_sparse sparse_of(const whole *a) {
 }
 
 static sp_ldl *ldl_of(const whole *a) {
-    sp_sparse s = sparse_of(a);
+    FREED(sp_sparse) s = sparse_of(a);
     sp_ldl *f = NULL;
     assert_ok(sp_ldl_make(&s, NULL, &f, &err));
-    sp_sparse_free(&s);
     return f;
 }
 
@@ -140,8 +137,8 @@ static double *whole_factor(const sp_ldl *f) {
 /* The largest row sum of |A - sigma - P' L D L' P|, in long double. */
 static double true_error(const whole *a, const sp_ldl *f) {
     const int64_t n = a->n;
-    double *l = whole_factor(f), *sum = calloc((size_t)n, sizeof *sum);
-    long double *scaled = calloc((size_t)n, sizeof *scaled);
+    RELEASED double *l = whole_factor(f), *sum = calloc((size_t)n, sizeof *sum);
+    RELEASED long double *scaled = calloc((size_t)n, sizeof *scaled);
     for (int64_t r = 0; r < n; r++) {
         for (int64_t k = 0; k < r; k++)
             scaled[k] = (long double)l[r * n + k] * l[k * n + k];
@@ -156,9 +153,6 @@ static double true_error(const whole *a, const sp_ldl *f) {
         }
     }
     const double most = largest(n, sum);
-    free(scaled);
-    free(sum);
-    free(l);
     return most;
 }
 
@@ -230,7 +224,7 @@ static bool check_shift(const whole *a, const double *w, sp_ldl *f, double sigma
 
 /* Shifts below, inside and above the spectrum, and halfway between eigenvalues or 1e-6 away from them. */
 static void check_matrix(whole a, int shifts) {
-    double *w = values_of(&a);
+    RELEASED double *w = values_of(&a);
     sp_ldl *f = ldl_of(&a);
     const double size = fmax(fabs(w[0]), fabs(w[a.n - 1])) + 1e-3;
     int certain = check_shift(&a, w, f, w[0] - 0.01 * size) + check_shift(&a, w, f, w[a.n - 1] + 0.01 * size);
@@ -242,7 +236,6 @@ static void check_matrix(whole a, int shifts) {
     if (certain < 2 + shifts / 4)
         fail_msg("n = %d: only %d of %d counts are certain", a.n, certain, shifts + 2);
     sp_ldl_free(f);
-    free(w);
     free(a.x);
 }
 
@@ -343,7 +336,7 @@ TEST(test_not_finite) {
     const double bad[] = {NAN, INFINITY, -INFINITY};
     const whole a = random_matrix(6, 1, 3);
     sp_ldl *f = ldl_of(&a), *g = NULL;
-    sp_sparse s = sparse_of(&a);
+    FREED(sp_sparse) s = sparse_of(&a);
     for (int k = 0; k < 3; k++) {
         assert_fails(sp_ldl_factor(f, bad[k], &err), SP_EINVAL, "shift");
         assert_true(isinf(sp_ldl_error(f)));
@@ -361,21 +354,19 @@ TEST(test_not_finite) {
     s.n = 0;
     assert_fails(sp_ldl_make(&s, NULL, &g, &err), SP_EREFUSED, "0");
     s.n = 6;
-    sp_sparse_free(&s);
     sp_ldl_free(f);
     free(a.x);
 }
 
 TEST(test_no_memory) {
     const whole a = random_matrix(40, 0.2, 4);
-    sp_sparse s = sparse_of(&a);
+    FREED(sp_sparse) s = sparse_of(&a);
     sp_ldl *f = NULL;
     EACH_ALLOCATION_FAILS(8, sp_ldl_make(&s, NULL, &f, &err), assert_true(!lacks || !f));
     sp_alloc_fail_after(0); /* a factor needs no more */
     assert_ok(sp_ldl_factor(f, -20, &err));
     sp_alloc_fail_after(-1);
     sp_ldl_free(f);
-    sp_sparse_free(&s);
     free(a.x);
 }
 
@@ -405,7 +396,7 @@ static sp_complex_ldl *complex_ldl_of(const whole *re, const whole *im, double *
     sp_complex_ldl *f = NULL;
     for (int k = 0; k < re->n * re->n; k++)
         both.x[k] = re->x[k] != 0 || im->x[k] != 0;
-    sp_sparse s = sparse_of(&both);
+    FREED(sp_sparse) s = sparse_of(&both);
     *values = malloc(2 * (size_t)s.p[s.n] * sizeof **values);
     for (int c = 0; c < re->n; c++)
         for (int64_t q = s.p[c]; q < s.p[c + 1]; q++) {
@@ -413,7 +404,6 @@ static sp_complex_ldl *complex_ldl_of(const whole *re, const whole *im, double *
             (*values)[2 * q + 1] = *at(im, (int)s.i[q], c);
         }
     assert_ok(sp_complex_ldl_make(&s, NULL, &f, &err));
-    sp_sparse_free(&s);
     free(both.x);
     return f;
 }
@@ -487,14 +477,13 @@ TEST(test_complex_without_memory) {
     const whole a = random_matrix(ROWS, 0.2, 4), nothing = zero_matrix(ROWS);
     double *values, b[2 * 3 * ROWS] = {1}, x[2 * 3 * ROWS];
     sp_complex_ldl *f = complex_ldl_of(&a, &nothing, &values), *g = NULL;
-    sp_sparse s = sparse_of(&a);
+    FREED(sp_sparse) s = sparse_of(&a);
     EACH_ALLOCATION_FAILS(8, sp_complex_ldl_make(&s, NULL, &g, &err), assert_true(!lacks || !g));
     sp_complex_ldl_free(g);
     assert_ok(sp_complex_ldl_factor(f, values, &err));
     EACH_ALLOCATION_FAILS(0, sp_complex_ldl_solve(f, 3, b, x, &err), ); /* what failed can be done again */
     assert_close(complex_residual(&a, &nothing, b, x), 0, 1e-10);
     sp_complex_ldl_free(f);
-    sp_sparse_free(&s);
     free(values);
     free(nothing.x);
     free(a.x);

@@ -39,7 +39,7 @@ TEST(test_dense) {
     for (size_t q = 0; q < sizeof sizes / sizeof *sizes; q++) {
         const int n = sizes[q];
         double *a = random_matrix(n, 1), *copy = random_matrix(n, 1), w[90], values[90], v[90 * 90];
-        sp_tridiagonal t;
+        FREED(sp_tridiagonal) t;
         assert_ok(sp_eigen_all(n, a, w, &err));
         for (int m = 1; m < n; m++)
             assert_true(w[m] >= w[m - 1]);
@@ -55,7 +55,6 @@ TEST(test_dense) {
         }
         assert_fails(sp_tridiagonal_vectors(&t, n + 1, v, &err), SP_EINVAL, "");
         assert_fails(sp_tridiagonal_vectors(&t, 0, v, &err), SP_EINVAL, "0");
-        sp_tridiagonal_free(&t);
         free(copy);
         free(a);
     }
@@ -219,7 +218,7 @@ TEST(test_cg) {
 
 static sp_status all_dense(double *w, sp_error *reason) {
     double *a = random_matrix(5, 2), v[25];
-    sp_tridiagonal t = {0};
+    FREED(sp_tridiagonal) t = {0};
     sp_status status = sp_eigen_all(5, a, w, reason);
     free(a);
     a = random_matrix(5, 2);
@@ -231,7 +230,6 @@ static sp_status all_dense(double *w, sp_error *reason) {
         status = sp_tridiagonal_vectors(&t, 3, v, reason);
     if (status == SP_OK)
         status = sp_orthogonality(5, 3, v, w, reason);
-    sp_tridiagonal_free(&t);
     free(a);
     return status;
 }

@@ -15,7 +15,7 @@ static sp_local_moduli local(const sp_network *net, double width) {
 
 /* Of all components, of K and G, and of what is counted. */
 static void check_means(const sp_network *net, double width) {
-    sp_local_moduli m = local(net, width);
+    FREED(sp_local_moduli) m = local(net, width);
     sp_elasticity whole;
     double grains = 0, contacts = 0, bulk = 0, shear = 0;
     const int s = m.strains;
@@ -44,7 +44,6 @@ static void check_means(const sp_network *net, double width) {
     assert_close(bulk, m.whole_bulk, 1e-12 * whole.c[1][1]);
     if (!isnan(m.whole_shear))
         assert_close(shear, m.whole_shear, 1e-12 * whole.c[1][1]);
-    sp_local_moduli_free(&m);
 }
 
 TEST(test_means) {
@@ -52,19 +51,17 @@ TEST(test_means) {
     for (int k = 0; k < 10; k += SANITIZED_STEP(3)) {
         const int dim = k < 5 ? 2 : 3, n = dim == 2 ? 60 : 150;
         const double phi = dim == 2 ? 0.9 : 0.7;
-        sp_packing p = k % 5 == 0   ? scattered_packing(dim, dim == 2 ? 8 : 5, 0.5, 1)
-                       : k % 5 == 1 ? cells_packing(SP_CELL_PERIODIC, dim, n, phi, tilt[dim - 2], 0, 3)
-                       : k % 5 == 2 ? cells_packing(SP_CELL_PERIODIC, dim, n, phi, NULL, 0.4, 4)
-                       : k % 5 == 3 ? cells_packing(SP_CELL_BOX, dim, n, phi, NULL, 0, 5)
-                                    : scattered_packing(dim, dim == 2 ? 8 : 5, 0, 1);
+        FREED(sp_packing) p = k % 5 == 0   ? scattered_packing(dim, dim == 2 ? 8 : 5, 0.5, 1)
+                              : k % 5 == 1 ? cells_packing(SP_CELL_PERIODIC, dim, n, phi, tilt[dim - 2], 0, 3)
+                              : k % 5 == 2 ? cells_packing(SP_CELL_PERIODIC, dim, n, phi, NULL, 0.4, 4)
+                              : k % 5 == 3 ? cells_packing(SP_CELL_BOX, dim, n, phi, NULL, 0, 5)
+                                           : scattered_packing(dim, dim == 2 ? 8 : 5, 0, 1);
         for (int prestress = 0; prestress < 2; prestress++) {
-            sp_network net = network_with(&p, .prestress = prestress);
+            FREED(sp_network) net = network_with(&p, .prestress = prestress);
             if (!(prestress && k % 5 % 4 == 0)) /* scattered packings are not at rest */
                 for (int part = 0; part < 2; part++)
                     check_means(&net, part ? 1.3 : 2.4);
-            sp_network_free(&net);
         }
-        sp_packing_free(&p);
     }
 }
 
@@ -88,9 +85,9 @@ TEST(test_carried) {
 
 /* The triangular lattice is cut in its unit cells, also across their corners. */
 TEST(test_lattice) {
-    sp_packing p = cells_triangular(6, 6, 1e-3, 0.5);
-    sp_network net = network_with(&p, .sliding_free = false);
-    sp_local_moduli m = local(&net, 2);
+    FREED(sp_packing) p = cells_triangular(6, 6, 1e-3, 0.5);
+    FREED(sp_network) net = network_with(&p, .sliding_free = false);
+    FREED(sp_local_moduli) m = local(&net, 2);
     assert_true(m.n == 9);
     double c[9] = {0};
     for (int k = 0; k < 9; k++)
@@ -101,9 +98,6 @@ TEST(test_lattice) {
         assert_close(m.contacts[q], (double)net.n_springs / m.n, 1e-12);
         assert_close(m.bulk[q], m.whole_bulk, 1e-12 * c[4]);
     }
-    sp_local_moduli_free(&m);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* How far the contact is from its limit at this load: mu Fn - |Ft|. */
@@ -120,7 +114,7 @@ static double margin(const sp_packing *p, const sp_contact *c, const double *cha
 
 /* Nothing slides before, on either side, and something changes there. */
 static void check_limits(const sp_packing *p, const sp_network *net, sp_load load, int *found) {
-    sp_response r;
+    FREED(sp_response) r;
     assert_ok(sp_response_make(net, &load, &r, &err));
     for (int32_t k = 0; k < net->n_springs; k++) {
         const sp_contact *c = &p->contacts[net->springs[k].contact];
@@ -142,14 +136,13 @@ static void check_limits(const sp_packing *p, const sp_network *net, sp_load loa
             ++*found;
         }
     }
-    sp_response_free(&r);
 }
 
 /* At the limit, or beyond it by rounding, a contact slides at once; without friction never. */
 static void check_mobilised(sp_packing *p, const sp_network *net) {
     const sp_load load = {SP_LOAD_STRAIN, 0, 2};
     sp_contact *c = &p->contacts[net->springs[3].contact];
-    sp_response r;
+    FREED(sp_response) r;
     double opens, slides, size = 0;
     assert_ok(sp_response_make(net, &load, &r, &err));
     for (int a = 0; a < 3; a++)
@@ -161,7 +154,6 @@ static void check_mobilised(sp_packing *p, const sp_network *net) {
     p->friction = 0;
     sp_response_limits(p, net, &r, 3, &opens, &slides);
     assert_true(isinf(slides));
-    sp_response_free(&r);
 }
 
 TEST(test_limits) {
@@ -170,31 +162,25 @@ TEST(test_limits) {
     s.pressure = 1e-4;
     s.protocol = SP_PROTOCOL_QUICK;
     for (int dim = 2; dim <= 3; dim++) {
-        sp_packing p = dim == 2 ? reference_packing(REFERENCE("packing_N200_p1e-4.txt")) : make_packing(&s);
-        sp_network net = network_with(&p, .sliding_free = false);
+        FREED(sp_packing) p = dim == 2 ? reference_packing(REFERENCE("packing_N200_p1e-4.txt")) : make_packing(&s);
+        FREED(sp_network) net = network_with(&p, .sliding_free = false);
         check_limits(&p, &net, (sp_load){SP_LOAD_STRAIN, 0, 2}, &found);
         check_limits(&p, &net, (sp_load){SP_LOAD_SWELL, 10, 0}, &found);
         check_limits(&p, &net, (sp_load){SP_LOAD_FORCE, 10, 1}, &found);
         check_mobilised(&p, &net);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
     assert_true(found > 1000);
 }
 
 TEST(test_refusals) {
-    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt")), chain = chain_packing(9, 1e-4);
-    sp_network net = network_with(&p, .sliding_free = false), line = network_with(&chain, .sliding_free = false);
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N200_p1e-4.txt")), chain = chain_packing(9, 1e-4);
+    FREED(sp_network) net = network_with(&p, .sliding_free = false), line = network_with(&chain, .sliding_free = false);
     sp_local_moduli m = sp_local_moduli_none();
     assert_fails(sp_local_moduli_make(&net, 0.5, &m, &err), SP_EINVAL, "mean diameter");
     assert_fails(sp_local_moduli_make(&net, NAN, &m, &err), SP_EINVAL, "mean diameter");
     assert_fails(sp_local_moduli_make(&line, 2, &m, &err), SP_EREFUSED, "chain");
     EACH_ALLOCATION_FAILS(5, sp_local_moduli_make(&net, 3, &m, &err), assert_true(!lacks || !m.x),
                           sp_local_moduli_free(&m));
-    sp_network_free(&net);
-    sp_network_free(&line);
-    sp_packing_free(&p);
-    sp_packing_free(&chain);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -51,14 +51,13 @@ static void check_law(const sp_packing *p, double a) {
 
 static void check_stable(const sp_packing *p) {
     sp_network_options o = sp_network_options_default();
-    sp_network net;
+    FREED(sp_network) net;
     sp_stability s;
     o.prestress = true;
     assert_ok(sp_network_make(p, &o, &net, &err));
     assert_ok(sp_stability_make(p, &net, &s, &err));
     assert_int_equal(s.verdict, SP_MODES_STABLE);
     assert_int_equal(s.zero, p->dim); /* the packing as a whole */
-    sp_network_free(&net);
 }
 
 TEST(test_laws) {
@@ -66,7 +65,7 @@ TEST(test_laws) {
     for (int dim = 2; dim <= 3; dim++)
         for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k += SANITIZED_STEP(3)) {
             const sp_pack_spec s = spec_of(dim, exponents[k]);
-            sp_packing p, again;
+            FREED(sp_packing) p, again;
             assert_ok(sp_packing_make(&s, NULL, NULL, &p, &err));
             assert_close(p.pressure, s.pressure, 1e-9 * s.pressure);
             assert_true(p.residual <= 1e-6 * s.pressure && p.friction == 0);
@@ -75,8 +74,6 @@ TEST(test_laws) {
             check_stable(&p);
             assert_ok(sp_packing_make(&s, NULL, NULL, &again, &err));
             assert_true(sp_packing_hash(&p) == sp_packing_hash(&again));
-            sp_packing_free(&p);
-            sp_packing_free(&again);
         }
 }
 
@@ -170,7 +167,7 @@ TEST(test_goes_on) {
         s.history = history;
         s.history_count = 1;
         assert_ok(sp_packing_make(&s, NULL, NULL, &both, &err));
-        sp_packing next = go_on(&first, 1e-3, 0);
+        FREED(sp_packing) next = go_on(&first, 1e-3, 0);
         assert_relative(next.pressure, 1e-3, 2e-9);
         assert_relative(next.box[0], both.box[0], 1e-7);
         assert_int_equal(next.n_contacts, both.n_contacts);
@@ -183,7 +180,6 @@ TEST(test_goes_on) {
         still = go_on(&first, sp_pack_spec_default().pressure, 1.01 * (dim == 2 ? of.phi2 : of.phi3));
         assert_true(still.pressure > 1.1 * first.pressure);
         sp_packing_free(&still);
-        sp_packing_free(&next);
         sp_packing_free(&both);
         sp_packing_free(&first);
     }

@@ -21,9 +21,9 @@ TEST(test_reference) {
     } files[] = {{REFERENCE("packing_N200_p1e-4.txt"), 75, 0.021510778807657, 1.32075118533096},
                  {REFERENCE("packing_N600_p1e-4.txt"), 117, 0.00978025096601649, 1.39444106040785}};
     for (int q = 0; q < 2; q++) {
-        sp_packing p = reference_packing(files[q].path);
-        sp_network net = network_of(&p, false);
-        sp_modes m = modes_of(&net, false, SP_SOURCE_IMPULSE);
+        FREED(sp_packing) p = reference_packing(files[q].path);
+        FREED(sp_network) net = network_of(&p, false);
+        FREED(sp_modes) m = modes_of(&net, false, SP_SOURCE_IMPULSE);
         assert_int_equal(m.n, 3 * p.n);
         assert_int_equal(m.n_rattler, files[q].zero);
         assert_int_equal(m.n_zero, files[q].zero);
@@ -37,9 +37,6 @@ TEST(test_reference) {
         assert_true(isnan(m.residual) && isnan(m.orthogonality));
         const double bound = sp_network_omega_bound(&net);
         assert_true(bound >= m.omega[m.n - 1] && bound < 1.06 * m.omega[m.n - 1]);
-        sp_modes_free(&m);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -58,9 +55,10 @@ enum { SHAPES = 6 };
 /* Both ways to the frequencies agree within their bounds, soft modes relative to themselves. */
 TEST(test_two_ways) {
     for (int shape = 0; shape < SHAPES; shape++) {
-        sp_packing p = shape_packing(shape);
-        sp_network net = network_of(&p, false);
-        sp_modes whole = modes_of(&net, true, SP_SOURCE_IMPULSE), bare = modes_of(&net, false, SP_SOURCE_IMPULSE);
+        FREED(sp_packing) p = shape_packing(shape);
+        FREED(sp_network) net = network_of(&p, false);
+        FREED(sp_modes) whole = modes_of(&net, true, SP_SOURCE_IMPULSE),
+                        bare = modes_of(&net, false, SP_SOURCE_IMPULSE);
         assert_int_equal(whole.n, bare.n);
         assert_int_equal(whole.n_zero, bare.n_zero);
         for (int64_t k = 0; k < whole.n; k++) {
@@ -72,10 +70,6 @@ TEST(test_two_ways) {
         }
         assert_true(whole.residual < 1e-14 && whole.orthogonality < 1e-13);
         assert_true(sp_network_omega_bound(&net) >= whole.omega[whole.n - 1]);
-        sp_modes_free(&bare);
-        sp_modes_free(&whole);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -83,9 +77,9 @@ TEST(test_two_ways) {
  * of M^-1 K. */
 TEST(test_vectors) {
     for (int shape = 0; shape < SHAPES - 1; shape++) {
-        sp_packing p = shape_packing(shape);
-        sp_network net = network_of(&p, false);
-        sp_modes m = modes_of(&net, true, SP_SOURCE_IMPULSE);
+        FREED(sp_packing) p = shape_packing(shape);
+        FREED(sp_network) net = network_of(&p, false);
+        FREED(sp_modes) m = modes_of(&net, true, SP_SOURCE_IMPULSE);
         const int64_t n = m.dofs;
         double *u = calloc(2 * (size_t)n, sizeof *u), *ku = u + n, trace = 0, sum = 0;
         const double top = m.omega[m.n - 1] * m.omega[m.n - 1];
@@ -102,30 +96,26 @@ TEST(test_vectors) {
                 assert_close(ku[q] / sqrt(net.mass[q]), omega * omega * e[q], 100 * DBL_EPSILON * top);
             sum += omega * omega;
         }
-        sp_sparse a;
+        FREED(sp_sparse) a;
         assert_ok(sp_network_assemble(&net, &a, &err));
         for (int64_t q = 0; q < n; q++)
             trace += a.x[a.p[q]] / net.mass[q];
         assert_relative(sum, trace, 1e-13);
-        sp_sparse_free(&a);
         free(u);
-        sp_modes_free(&m);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 /* Completeness: sum a_n u_n is the initial displacement, sum a_n omega_n u_n the initial velocity, and b_n what the
  * detector sees of a mode. */
 TEST(test_amplitudes) {
-    sp_packing p = shape_packing(5);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = shape_packing(5);
+    FREED(sp_network) net = network_of(&p, false);
     const int64_t n = sp_network_dofs(&net);
     double *sent = calloc(3 * (size_t)n, sizeof *sent), *seen = sent + n, *sum = sent + 2 * n;
     const sp_source sources[] = {SP_SOURCE_IMPULSE, SP_SOURCE_VELOCITY, SP_SOURCE_DISPLACEMENT};
     assert_ok(sp_network_detector(&net, seen, &err));
     for (int q = 0; q < 3; q++) {
-        sp_modes m = modes_of(&net, true, sources[q]);
+        FREED(sp_modes) m = modes_of(&net, true, sources[q]);
         assert_ok(sp_network_source(&net, sources[q], sent, &err));
         for (int64_t d = 0; d < n; d++)
             sum[d] = 0;
@@ -144,11 +134,8 @@ TEST(test_amplitudes) {
             assert_close(sum[d], sources[q] == SP_SOURCE_DISPLACEMENT ? sent[d] : sent[d] / net.mass[d], 1e-13);
         for (int64_t k = 0; k < m.n_rattler; k++)
             assert_true(m.a[k] == 0 && m.b[k] == 0);
-        sp_modes_free(&m);
     }
     free(sent);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Without friction nothing holds the grains along the walls: one floppy mode, found as exactly 0, and modes much softer
@@ -157,13 +144,12 @@ TEST(test_floppy) {
     sp_packing p = scattered_packing(2, 12, 0, 1);
     sp_network net = network_of(&p, false);
     for (int vectors = 0; vectors < 2; vectors++) {
-        sp_modes m = modes_of(&net, vectors, SP_SOURCE_IMPULSE);
+        FREED(sp_modes) m = modes_of(&net, vectors, SP_SOURCE_IMPULSE);
         assert_int_equal(m.n_rattler, 0);
         assert_int_equal(m.n_zero, 1);
         assert_true(m.omega[0] == 0 && m.error[0] < 1e-7 && m.omega[1] > 0);
         if (vectors)
             assert_true(m.a[0] == 0 && fabs(m.b[0]) < 1e-12); /* moves along the walls: no force on them */
-        sp_modes_free(&m);
     }
     sp_network_free(&net);
     /* chains side by side, all the same: every frequency many times, and bounds that hold all the same */
@@ -172,7 +158,7 @@ TEST(test_floppy) {
     p = chains_packing(CHAINS, LONG, 1e-4);
     net = network_of(&p, false);
     for (int vectors = 0; vectors < 2; vectors++) {
-        sp_modes m = modes_of(&net, vectors, SP_SOURCE_IMPULSE);
+        FREED(sp_modes) m = modes_of(&net, vectors, SP_SOURCE_IMPULSE);
         const long double top = 2 * sqrtl((long double)net.springs[0].kn / net.mass[0]);
         for (int64_t k = 0; k < m.n; k++) {
             const double exact =
@@ -180,7 +166,6 @@ TEST(test_floppy) {
             assert_close(m.omega[k], exact, m.error[k]);
             assert_true(m.error[k] < 1e-12 * exact);
         }
-        sp_modes_free(&m);
     }
     sp_network_free(&net);
     sp_packing_free(&p);
@@ -189,16 +174,14 @@ TEST(test_floppy) {
 TEST(test_prestress) {
     sp_packing p = without_tangential(reference_packing(REFERENCE("packing_N200_p1e-4.txt")));
     sp_network net = network_of(&p, true);
-    sp_modes with = modes_of(&net, true, SP_SOURCE_IMPULSE);
+    FREED(sp_modes) with = modes_of(&net, true, SP_SOURCE_IMPULSE);
     sp_network_free(&net);
     net = network_of(&p, false);
-    sp_modes without = modes_of(&net, true, SP_SOURCE_IMPULSE);
+    FREED(sp_modes) without = modes_of(&net, true, SP_SOURCE_IMPULSE);
     /* compression softens every mode (Weyl: the added term is negative) */
     for (int64_t k = with.n_zero; k < with.n; k++)
         assert_true(with.omega[k] < without.omega[k]);
     assert_true(with.omega[with.n_zero] < 0.99 * without.omega[with.n_zero]);
-    sp_modes_free(&with);
-    sp_modes_free(&without);
     sp_network_free(&net);
     sp_packing_free(&p);
     p = scattered_packing(2, 6, 0, 1); /* nothing but prestress acts sideways: unstable */
@@ -213,14 +196,11 @@ TEST(test_prestress) {
 
 TEST(test_participation) {
     enum { N = 60 };
-    sp_packing p = chain_packing(N, 1e-4);
-    sp_network net = network_of(&p, false);
-    sp_modes m = modes_of(&net, true, SP_SOURCE_IMPULSE);
+    FREED(sp_packing) p = chain_packing(N, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
+    FREED(sp_modes) m = modes_of(&net, true, SP_SOURCE_IMPULSE);
     for (int n = 1; n <= N; n++) /* of w_i = sin^2: 2(N+1)/(3N) */
         assert_relative(m.participation[n - 1], 2.0 * (N + 1) / (3.0 * N), 1e-11);
-    sp_modes_free(&m);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 static sp_packing lattice_packing(double friction) {
@@ -238,14 +218,14 @@ static sp_packing lattice_packing(double friction) {
  * finds again; where it refuses, or has too many to find, LAPACK's vectors are refined. All are right to 1e-12. */
 TEST(test_frequencies_alone) {
     for (int shape = 0; shape < 5; shape++) {
-        sp_packing p = shape == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
-                       : shape == 1 ? chain_packing(500, 1e-4)
-                       : shape == 2 ? lattice_packing(0.5)
-                       : shape == 3 ? lattice_packing(0)
-                                    : chains_packing(25, 20, 1e-4);
-        sp_network net = network_of(&p, false);
+        FREED(sp_packing) p = shape == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
+                              : shape == 1 ? chain_packing(500, 1e-4)
+                              : shape == 2 ? lattice_packing(0.5)
+                              : shape == 3 ? lattice_packing(0)
+                                           : chains_packing(25, 20, 1e-4);
+        FREED(sp_network) net = network_of(&p, false);
         assert_true(sp_network_dofs(&net) > 400);
-        sp_modes m = modes_of(&net, false, SP_SOURCE_IMPULSE), v = modes_of(&net, true, SP_SOURCE_IMPULSE);
+        FREED(sp_modes) m = modes_of(&net, false, SP_SOURCE_IMPULSE), v = modes_of(&net, true, SP_SOURCE_IMPULSE);
         assert_int_equal(m.n, v.n);
         assert_int_equal(m.n_zero, v.n_zero);
         assert_int_equal(m.solver, SP_SOLVER_DENSE);
@@ -253,18 +233,13 @@ TEST(test_frequencies_alone) {
             assert_close(m.omega[k], v.omega[k], m.error[k] + v.error[k]);
             assert_true(m.omega[k] == 0 || m.error[k] < 1.01e-12 * m.omega[k]);
         }
-        sp_modes_free(&v);
-        sp_modes_free(&m);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 static void lack_memory(const sp_network *net, bool vectors, int least) {
-    sp_modes m = sp_modes_none();
+    FREED(sp_modes) m = sp_modes_none();
     const sp_modes_options how = {.vectors = vectors, .source = SP_SOURCE_IMPULSE};
     EACH_ALLOCATION_FAILS(least, sp_modes_dense(net, &how, &m, &err), assert_true(!lacks || !m.omega));
-    sp_modes_free(&m);
 }
 
 TEST(test_refusals) {

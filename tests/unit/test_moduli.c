@@ -15,12 +15,12 @@ static sp_network network_of(const sp_packing *p, bool sliding_free) {
 TEST(test_symmetric) {
     for (int q = 0; q < 6; q++) {
         const bool smooth = q % 3 == 2;
-        sp_packing p = q == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
-                       : q == 1 ? reference_packing(REFERENCE("packing_N600_p1e-4.txt"))
-                       : q < 4  ? scattered_packing(2, smooth ? 12 : 8, smooth ? 0 : 0.5, 1)
-                                : scattered_packing(3, 5, smooth ? 0 : 0.5, 1);
+        FREED(sp_packing) p = q == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
+                              : q == 1 ? reference_packing(REFERENCE("packing_N600_p1e-4.txt"))
+                              : q < 4  ? scattered_packing(2, smooth ? 12 : 8, smooth ? 0 : 0.5, 1)
+                                       : scattered_packing(3, 5, smooth ? 0 : 0.5, 1);
         const int up = p.dim - 1, strains = p.dim == 3 ? STRAINS_3D : STRAINS;
-        sp_network net = network_of(&p, false);
+        FREED(sp_network) net = network_of(&p, false);
         sp_stiffness s;
         sp_moduli m;
         assert_ok(sp_stiffness_make(&net, &s, &err));
@@ -52,8 +52,6 @@ TEST(test_symmetric) {
             assert_true(isnan(m.c_t));
         else
             assert_relative(m.c_t * m.c_t * 0.5, p.dim == 3 ? 0.5 * (m.c44 + m.c55) : m.c33, 1e-14);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -61,8 +59,8 @@ TEST(test_symmetric) {
  * next to nothing more holds. Nor does a sphere of soft contacts make K more singular than one of stiff ones. */
 TEST(test_pivots) {
     for (int soft = 0; soft < 2; soft++) {
-        sp_packing p = scattered_packing(3, 4, 0.5, 1);
-        sp_network net = network_of(&p, false), held = network_of(&p, false);
+        FREED(sp_packing) p = scattered_packing(3, 4, 0.5, 1);
+        FREED(sp_network) net = network_of(&p, false), held = network_of(&p, false);
         sp_moduli m, expected;
         int springs = 0, at = 0;
         for (int k = 0; k < net.n_springs; k++) {
@@ -86,9 +84,6 @@ TEST(test_pivots) {
         const double want[] = {expected.c11, expected.c33, expected.c13, expected.c55, expected.c66};
         for (int q = 0; q < 5; q++)
             assert_relative(got[q], want[q], 1e-7);
-        sp_network_free(&held);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -136,9 +131,9 @@ static void add_friction(sp_packing *p, double fraction) {
 TEST(test_nonsymmetric) {
     for (int q = 0; q < 6; q++) {
         const double fraction[] = {0.01, 0.1, 0.4};
-        sp_packing p = scattered_packing(q < 3 ? 2 : 3, q < 3 ? 6 : 3, 0.5, (unsigned)q + 1);
+        FREED(sp_packing) p = scattered_packing(q < 3 ? 2 : 3, q < 3 ? 6 : 3, 0.5, (unsigned)q + 1);
         sp_network_options o = sp_network_options_default();
-        sp_network net = sp_network_none();
+        FREED(sp_network) net = sp_network_none();
         sp_stiffness s, want = {0};
         o.prestress = true;
         add_friction(&p, fraction[q % 3]);
@@ -149,12 +144,11 @@ TEST(test_nonsymmetric) {
         const int64_t n = sp_network_dofs(&net);
         double *u = calloc((size_t)n, sizeof *u), scale = 0, skew = 0;
         for (int b = 0; b < sp_strain_count(&net); b++) {
-            double *a = dense_of(&net);
+            RELEASED double *a = dense_of(&net);
             sp_strain_load(&net, b, u);
             eliminate(n, a, u);
             sp_strain_stresses(&net, b, u, &want);
             scale = fmax(scale, want.c[b][b]);
-            free(a);
         }
         for (int a = 0; a < sp_strain_count(&net); a++)
             for (int b = 0; b < sp_strain_count(&net); b++) {
@@ -165,20 +159,16 @@ TEST(test_nonsymmetric) {
             }
         assert_true(skew > 1e-6 * scale); /* the part that is not symmetric counts */
         free(u);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 /* The least eigenvalue of a symmetric K, with its vector. */
 static double softest(const sp_network *net, double *vector) {
     const int64_t n = sp_network_dofs(net);
-    double *a = dense_of(net), *w = calloc((size_t)n, sizeof *w);
+    RELEASED double *a = dense_of(net), *w = calloc((size_t)n, sizeof *w);
     assert_ok(sp_eigen_all(n, a, w, &err));
     const double least = w[0];
     memcpy(vector, a, (size_t)n * sizeof *vector);
-    free(w);
-    free(a);
     return least;
 }
 
@@ -192,8 +182,8 @@ static void set_prestress(sp_network *net, int grain, double stiffness) {
  * names the grain that moves. */
 TEST(test_load_on_a_mechanism) {
     enum { GRAIN = 14 };
-    sp_packing p = scattered_packing(2, 6, 0.5, 1);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = scattered_packing(2, 6, 0.5, 1);
+    FREED(sp_network) net = network_of(&p, false);
     const int64_t n = sp_network_dofs(&net);
     double *vector = calloc((size_t)n, sizeof *vector), low = 0, high = 10;
     sp_moduli m;
@@ -214,39 +204,33 @@ TEST(test_load_on_a_mechanism) {
     assert_true(fabs(vector[3 * GRAIN]) + fabs(vector[3 * GRAIN + 1]) + fabs(vector[3 * GRAIN + 2]) > 0.5);
     assert_fails(sp_moduli_make(&net, 0.5, &m, &err), SP_EREFUSED, name);
     free(vector);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Table II at p = 1e-4: 600 grains, mean and standard deviation of 30 samples; ours is one. */
 TEST(test_table) {
-    sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
+    FREED(sp_network) net = network_of(&p, false);
     sp_moduli m;
     assert_ok(sp_moduli_make(&net, 0.52, &m, &err));
     assert_close(m.c11, 1.35e-2, 4 * 0.09e-2);
     assert_close(m.c12, 6.8e-3, 4 * 0.4e-3);
     assert_close(m.c22, 1.88e-2, 4 * 0.08e-2);
     assert_close(m.c33, 4.0e-3, 4 * 0.5e-3);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* N + 1 equal springs in a row: C22 = K H/(N + 1). */
 TEST(test_chain) {
-    sp_packing p = chain_packing(25, 1e-4);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = chain_packing(25, 1e-4);
+    FREED(sp_network) net = network_of(&p, false);
     sp_moduli m;
     assert_ok(sp_moduli_make(&net, NAN, &m, &err));
     assert_relative(m.c22, net.springs[0].kn * p.box[0] / 26, 1e-12);
     assert_true(isnan(m.c11) && isnan(m.c12) && isnan(m.c33) && isnan(m.c_l) && isnan(m.c_t));
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Where every contact of a grain slides it turns freely: no stiffness, and no reason to refuse. */
 TEST(test_free_rotation) {
-    sp_packing p = scattered_packing(2, 8, 0.5, 1);
+    FREED(sp_packing) p = scattered_packing(2, 8, 0.5, 1);
     for (int k = 0; k < p.n_contacts; k++) {
         sp_contact *c = &p.contacts[k];
         if (c->i != 20 && c->j != 20)
@@ -254,20 +238,17 @@ TEST(test_free_rotation) {
         c->ft[0] = -0.5 * c->fn * c->n[1];
         c->ft[1] = 0.5 * c->fn * c->n[0];
     }
-    sp_network net = network_of(&p, true), stick = network_of(&p, false);
+    FREED(sp_network) net = network_of(&p, true), stick = network_of(&p, false);
     sp_moduli m, hard;
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
     assert_ok(sp_moduli_make(&stick, 0.5, &hard, &err));
     assert_true(m.c22 < hard.c22 && m.c33 < hard.c33); /* springs taken away soften */
-    sp_network_free(&stick);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* What hangs loose makes K singular, but carries no stress: the moduli are those without it. */
 TEST(test_floppy_parts) {
-    sp_packing p = scattered_packing(2, 6, 0.5, 1);
-    sp_network net = network_of(&p, false), bare = network_of(&p, false);
+    FREED(sp_packing) p = scattered_packing(2, 6, 0.5, 1);
+    FREED(sp_network) net = network_of(&p, false), bare = network_of(&p, false);
     sp_moduli m, expected;
     for (int k = 0; k < net.n_springs; k++) {
         sp_spring *s = &net.springs[k], *b = &bare.springs[k];
@@ -284,9 +265,6 @@ TEST(test_floppy_parts) {
     assert_relative(m.c22, expected.c22, 1e-6);
     assert_relative(m.c33, expected.c33, 1e-6);
     assert_true(m.residual < 1e-8);
-    sp_network_free(&bare);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 static void fail_every_allocation(const sp_network *net) {

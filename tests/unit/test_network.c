@@ -30,8 +30,8 @@ static sp_packing shape_packing(int shape) {
 }
 
 TEST(test_reference_counts) {
-    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
-    sp_network net = network_of(&p, false, false);
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    FREED(sp_network) net = network_of(&p, false, false);
     assert_int_equal(net.rattlers, 25);
     assert_int_equal(net.n, 175);
     assert_int_equal(net.n_all, 200);
@@ -54,13 +54,11 @@ TEST(test_reference_counts) {
         assert_relative(net.mass[3 * i], m, 1e-15);
         assert_relative(net.mass[3 * i + 2], 0.4 * m * r * r, 1e-15);
     }
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Against the definition, formed by hand for one pair: k_n = 2 E12 sqrt(R12 n), eta = (1-nu)/(1-nu/2). */
 TEST(test_stiffness) {
-    sp_packing p = scattered_packing(2, 6, 0.5, 1);
+    FREED(sp_packing) p = scattered_packing(2, 6, 0.5, 1);
     sp_network net = network_of(&p, true, false);
     for (int k = 0; k < net.n_springs; k++) {
         const sp_spring *s = &net.springs[k];
@@ -82,18 +80,17 @@ TEST(test_stiffness) {
         assert_relative(s->kn, sqrt(0.5 * s->ri * p.contacts[s->contact].overlap), 1e-14);
     }
     sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_sliding) {
-    sp_packing p = scattered_packing(2, 6, 0.5, 1);
+    FREED(sp_packing) p = scattered_packing(2, 6, 0.5, 1);
     for (int k = 0; k < p.n_contacts; k++) { /* a third far from sliding, a third at the limit, a third 2% below */
         sp_contact *c = &p.contacts[k];
         const double ft = c->fn * (k % 3 == 0 ? 0.1 : k % 3 == 1 ? 0.5 : 0.5 * (1 - 2e-2)) * (k % 2 ? 1 : -1);
         c->ft[0] = -ft * c->n[1];
         c->ft[1] = ft * c->n[0];
     }
-    sp_network stick = network_of(&p, false, false), slip = network_of(&p, false, true);
+    FREED(sp_network) stick = network_of(&p, false, false), slip = network_of(&p, false, true);
     int free = 0;
     for (int k = 0; k < slip.n_springs; k++) {
         assert_true((slip.springs[k].kt == 0) == (slip.springs[k].contact % 3 == 1));
@@ -101,17 +98,14 @@ TEST(test_sliding) {
         free += slip.springs[k].kt == 0;
     }
     assert_true(free > 10);
-    sp_network_free(&slip);
-    sp_network_free(&stick);
-    sp_packing_free(&p);
 }
 
 /* Tangential springs feel the velocity of the contact points: u + theta x arm on either side. */
 TEST(test_tangential) {
     srand(12);
     for (int shape = 1; shape <= 3; shape += 2) {
-        sp_packing p = shape_packing(shape);
-        sp_network net = network_of(&p, false, false);
+        FREED(sp_packing) p = shape_packing(shape);
+        FREED(sp_network) net = network_of(&p, false, false);
         const int dim = net.dim, dof = net.dof;
         double *u = random_vector(sp_network_dofs(&net)), energy = 0;
         for (int k = 0; k < net.n_springs; k++) {
@@ -137,8 +131,6 @@ TEST(test_tangential) {
         }
         assert_relative(sp_network_energy2(&net, u), energy, 1e-13);
         free(u);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -147,14 +139,14 @@ TEST(test_assembled) {
     srand(13);
     for (int shape = 0; shape < SHAPES; shape++)
         for (int prestress = 0; prestress < 2; prestress++) {
-            sp_packing p = shape_packing(shape);
+            FREED(sp_packing) p = shape_packing(shape);
             for (int c = 0; c < p.n_contacts && prestress; c++) /* which make K unsymmetric: test_prestress */
                 memset(p.contacts[c].ft, 0, sizeof p.contacts[c].ft);
-            sp_network net = network_of(&p, prestress, false);
+            FREED(sp_network) net = network_of(&p, prestress, false);
             const int64_t n = sp_network_dofs(&net);
-            double *u = random_vector(2 * n), *v = random_vector(2 * n);
+            RELEASED double *u = random_vector(2 * n), *v = random_vector(2 * n);
             double *one = calloc(3 * (size_t)n, sizeof *one), *two = one + n, *whole = one + 2 * n;
-            sp_sparse k;
+            FREED(sp_sparse) k;
             /* aligned as vectors of two */
             double *in = sp_alloc(2 * (size_t)n, sizeof *in), *out = sp_alloc(2 * (size_t)n, sizeof *out);
             assert_ok(sp_network_assemble(&net, &k, &err));
@@ -186,22 +178,17 @@ TEST(test_assembled) {
                 uku += u[q] * one[q];
             }
             assert_relative(sp_network_energy2(&net, u), uku, 1e-13);
-            sp_sparse_free(&k);
             sp_free(in);
             sp_free(out);
             free(one);
-            free(u);
-            free(v);
-            sp_network_free(&net);
-            sp_packing_free(&p);
         }
 }
 
 /* Moving all grains along the walls costs nothing but the walls' tangential springs; across, their normal ones. */
 TEST(test_translation) {
     for (int shape = 1; shape < SHAPES; shape++) {
-        sp_packing p = shape_packing(shape);
-        sp_network net = network_of(&p, true, false);
+        FREED(sp_packing) p = shape_packing(shape);
+        FREED(sp_network) net = network_of(&p, true, false);
         const int up = net.dim - 1;
         double *u = calloc((size_t)sp_network_dofs(&net), sizeof *u), grip = 0, hold = 0;
         for (int k = net.n_bulk; k < net.n_springs; k++) {
@@ -215,8 +202,6 @@ TEST(test_translation) {
         }
         assert_true((grip == 0) == (p.friction == 0));
         free(u);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -225,8 +210,8 @@ TEST(test_energy_rounding) {
     srand(14);
     for (int shape = 0; shape < SHAPES; shape++)
         for (int soft = 0; soft < 2; soft++) {
-            sp_packing p = shape_packing(shape);
-            sp_network net = network_of(&p, false, false);
+            FREED(sp_packing) p = shape_packing(shape);
+            FREED(sp_network) net = network_of(&p, false, false);
             const int64_t n = sp_network_dofs(&net);
             double *u = random_vector(n), rounding;
             for (int64_t q = 0; q < n && soft; q++)
@@ -246,14 +231,12 @@ TEST(test_energy_rounding) {
             if (net.dof == net.dim)
                 assert_close(energy, (double)exact, rounding);
             free(u);
-            sp_network_free(&net);
-            sp_packing_free(&p);
         }
 }
 
 TEST(test_source_detector) {
-    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
-    sp_network net = network_of(&p, false, false);
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    FREED(sp_network) net = network_of(&p, false, false);
     const int64_t n = sp_network_dofs(&net);
     double *impulse = calloc(4 * (size_t)n, sizeof *impulse), *velocity = impulse + n, *displacement = impulse + 2 * n,
            *seen = impulse + 3 * n, bottom = 0, top = 0;
@@ -284,8 +267,6 @@ TEST(test_source_detector) {
     net.n_springs = net.n_bulk;
     assert_fails(sp_network_source(&net, SP_SOURCE_IMPULSE, seen, &err), SP_EREFUSED, "bottom");
     free(impulse);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_refusals) {
@@ -319,23 +300,20 @@ TEST(test_refusals) {
 }
 
 TEST(test_no_memory) {
-    sp_packing p = scattered_packing(2, 5, 0.5, 1);
+    FREED(sp_packing) p = scattered_packing(2, 5, 0.5, 1);
     const sp_network_options o = sp_network_options_default();
-    sp_network net = sp_network_none();
-    sp_sparse a = {0};
+    FREED(sp_network) net = sp_network_none();
+    FREED(sp_sparse) a = {0};
     EACH_ALLOCATION_FAILS(10, sp_network_make(&p, &o, &net, &err), assert_true(!lacks || !net.springs));
     EACH_ALLOCATION_FAILS(4, sp_network_assemble(&net, &a, &err), assert_true(!lacks || !a.x));
-    sp_sparse_free(&a);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Two springs between the same grains, as through both sides of a narrow periodic box, add up. */
 TEST(test_double_contact) {
-    sp_packing p = scattered_packing(2, 2, 0.5, 3);
-    sp_network net = network_of(&p, false, false);
+    FREED(sp_packing) p = scattered_packing(2, 2, 0.5, 3);
+    FREED(sp_network) net = network_of(&p, false, false);
     int pairs = 0;
-    sp_sparse a, b;
+    FREED(sp_sparse) a, b;
     assert_ok(sp_network_assemble(&net, &a, &err));
     net.springs[0].kn *= 2; /* twice the spring ... */
     net.springs[0].kt *= 2;
@@ -349,7 +327,7 @@ TEST(test_double_contact) {
     net.springs = both;
     net.n_springs++;
     net.n_bulk++;
-    sp_sparse c;
+    FREED(sp_sparse) c;
     assert_ok(sp_network_assemble(&net, &c, &err));
     assert_int_equal(c.p[c.n], a.p[a.n]);
     for (int64_t q = 0; q < c.p[c.n]; q++) {
@@ -358,11 +336,6 @@ TEST(test_double_contact) {
         pairs += b.x[q] != a.x[q];
     }
     assert_true(pairs > 10);
-    sp_sparse_free(&a);
-    sp_sparse_free(&b);
-    sp_sparse_free(&c);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

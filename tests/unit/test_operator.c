@@ -18,7 +18,7 @@ static sp_network network_of(const kind *k) { return network_with(&k->p, .prestr
 /* Rows are a permutation of the grains, blocks and chunks follow each other, and blocks beside each other say so
  * mutually. */
 static void check_order(const kind *k, const sp_operator *op) {
-    bool *seen = calloc((size_t)op->n, sizeof *seen);
+    RELEASED bool *seen = calloc((size_t)op->n, sizeof *seen);
     if (op->blocks < k->least || op->blocks > k->most)
         fail_msg("%s: %d blocks, expected %d .. %d", k->name, op->blocks, k->least, k->most);
     for (int row = 0; row < op->n; row++) {
@@ -40,7 +40,6 @@ static void check_order(const kind *k, const sp_operator *op) {
             assert_true(mutual && other != b);
         }
     }
-    free(seen);
 }
 
 static void forces_of(const sp_operator *op, const double *u, double *force) {
@@ -53,7 +52,7 @@ static void forces_of(const sp_operator *op, const double *u, double *force) {
 static void check_forces(const kind *k, const sp_network *net, sp_operator *op) {
     const int64_t n = sp_network_dofs(net);
     const size_t size = ((size_t)op->n + 1) * (size_t)op->row;
-    double *u = calloc(2 * (size_t)n, sizeof *u), *ku = calloc((size_t)n, sizeof *ku);
+    RELEASED double *u = calloc(2 * (size_t)n, sizeof *u), *ku = calloc((size_t)n, sizeof *ku);
     double *in = sp_alloc(size, sizeof *in), *out = sp_alloc(size, sizeof *out), *plain = sp_alloc(size, sizeof *plain);
     for (int64_t q = 0; q < 2 * n; q++)
         u[q] = 2.0 * rand() / RAND_MAX - 1;
@@ -87,8 +86,6 @@ static void check_forces(const kind *k, const sp_network *net, sp_operator *op) 
     sp_free(plain);
     sp_free(out);
     sp_free(in);
-    free(ku);
-    free(u);
 }
 
 TEST(test_forces) {
@@ -111,15 +108,13 @@ TEST(test_forces) {
                   {"reference", reference_packing(REFERENCE("packing_N600_p1e-4.txt")), false, 1, 1}};
     srand(7);
     for (size_t q = 0; q < sizeof all / sizeof *all; q++) {
-        sp_network net = network_of(&all[q]);
-        sp_operator op = {0};
+        FREED(sp_network) net = network_of(&all[q]);
+        FREED(sp_operator) op = {0};
         assert_ok(sp_operator_make(&net, &op, &err));
         check_order(&all[q], &op);
         check_forces(&all[q], &net, &op);
         op.kind.transposed = true;
         check_forces(&all[q], &net, &op);
-        sp_operator_free(&op);
-        sp_network_free(&net);
         sp_packing_free(&all[q].p);
     }
 }
@@ -127,14 +122,13 @@ TEST(test_forces) {
 /* More grains than integers can number in a vector. */
 TEST(test_too_many) {
     kind k = {"chain", chain_packing(3, 1e-4), false, 1, 1};
-    sp_network net = network_of(&k);
+    FREED(sp_network) net = network_of(&k);
     const int32_t n = net.n;
     sp_operator op = {0};
     sp_error err = {0};
     net.n = INT32_MAX / 2;
     assert_int_equal(sp_operator_make(&net, &op, &err), SP_EREFUSED);
     net.n = n;
-    sp_network_free(&net);
     sp_packing_free(&k.p);
 }
 
@@ -142,7 +136,7 @@ TEST(test_too_many) {
 TEST(test_refusals) {
     for (int which = 0; which < 4; which++) {
         kind k = {"levers", scattered_packing(which == 3 ? 3 : 2, 4, 0.5, 5), false, 1, 1};
-        sp_network net = network_of(&k);
+        FREED(sp_network) net = network_of(&k);
         sp_operator op = {0};
         sp_error err = {0};
         if (which == 0)
@@ -153,18 +147,16 @@ TEST(test_refusals) {
             net.mass[which == 2 ? 3 : 11] *= 2;
         assert_int_equal(sp_operator_make(&net, &op, &err), SP_EINVAL);
         assert_null(op.first);
-        sp_network_free(&net);
         sp_packing_free(&k.p);
     }
 }
 
 TEST(test_no_memory) {
     kind k = {"chain", chain_packing(3000, 1e-4), false, 2, 4};
-    sp_network net = network_of(&k);
+    FREED(sp_network) net = network_of(&k);
     sp_operator op = {0};
     EACH_ALLOCATION_FAILS(12, sp_operator_make(&net, &op, &err), assert_true(!lacks || !op.first),
                           sp_operator_free(&op));
-    sp_network_free(&net);
     sp_packing_free(&k.p);
 }
 

@@ -40,7 +40,7 @@ TEST(files_keep_every_bit) {
     const char *h5 = fixture_path(folder, "p.h5");
     for (int dim = 1; dim <= 3; dim++)
         for (int own = 0; own < 4; own++) {
-            sp_packing p = fixture_packing((uint64_t)(7 + own), dim, 40), q = sp_packing_none();
+            FREED(sp_packing) p = fixture_packing((uint64_t)(7 + own), dim, 40), q = sp_packing_none();
             p.wall = own & 1 ? SP_WALL_ELASTIC : SP_WALL_GRAIN;
             p.material = (sp_material){.young = 7e10 / 3, .poisson = 0.22, .density = 2500, .diameter = 1e-3 / 7};
             if (own & 2)
@@ -49,10 +49,8 @@ TEST(files_keep_every_bit) {
             assert_ok(sp_packing_read(h5, &q, &err));
             assert_same_own(&p, &q);
             assert_true(sp_packing_hash(&p) == sp_packing_hash(&q));
-            sp_packing_free(&q);
             const sp_status text = sp_packing_save_text(&p, fixture_path(folder, "p.txt"), NULL);
             assert_int_equal(text, own & 2 ? SP_EINVAL : SP_OK); /* has no columns for them */
-            sp_packing_free(&p);
         }
 }
 
@@ -62,10 +60,10 @@ TEST(network_takes_them) {
     spec.grains = 60;
     spec.width = 8;
     spec.tolerance = 1e-8;
-    sp_packing p = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none();
     assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
     const sp_network_options opt = sp_network_options_default();
-    sp_network hertz = sp_network_none(), same = hertz, scaled = hertz;
+    FREED(sp_network) hertz = sp_network_none(), same = hertz, scaled = hertz;
     assert_ok(sp_network_make(&p, &opt, &hertz, &err));
     const uint64_t before = sp_packing_hash(&p);
     sp_pack_spec from = sp_pack_spec_default();
@@ -98,15 +96,11 @@ TEST(network_takes_them) {
     for (int32_t k = 0; k < scaled.n_springs; k++)
         assert_true(scaled.springs[k].kt == 0 && scaled.springs[k].kn == same.springs[k].kn);
     assert_true(scaled.mass[0] == 4 * same.mass[0] && scaled.mass[2] == 4 * same.mass[2]);
-    sp_network_free(&hertz);
-    sp_network_free(&same);
-    sp_network_free(&scaled);
-    sp_packing_free(&p);
 }
 
 /* What needs forces away from rest refuses them. */
 TEST(law_is_needed) {
-    sp_packing p = fixture_packing(3, 2, 40);
+    FREED(sp_packing) p = fixture_packing(3, 2, 40);
     assert_true(sp_packing_hertzian(&p));
     assert_ok(sp_packing_need_law(&p, "this", &err));
     p.contacts[0].kn = 1;
@@ -114,7 +108,6 @@ TEST(law_is_needed) {
     p.contacts[0].kn = 0;
     assert_ok(sp_packing_alloc_masses(&p, &err));
     assert_false(sp_packing_hertzian(&p));
-    sp_packing_free(&p);
 }
 
 /* An elastic wall is half as stiff as a rigid plane, whose modulus is that of one grain. */
@@ -124,7 +117,7 @@ TEST(elastic_wall) {
 
 TEST(structure_is_checked) {
     const double bad[] = {-1, NAN, INFINITY};
-    sp_packing p = fixture_packing(3, 2, 40);
+    FREED(sp_packing) p = fixture_packing(3, 2, 40);
     for (size_t k = 0; k < sizeof bad / sizeof *bad; k++) {
         p.contacts[0].kn = bad[k];
         assert_int_equal(sp_packing_check(&p, NULL), SP_EFORMAT);
@@ -137,7 +130,6 @@ TEST(structure_is_checked) {
     assert_ok(sp_packing_check(&p, &err));
     p.inertia[0] = 0;
     assert_int_equal(sp_packing_check(&p, NULL), SP_EFORMAT);
-    sp_packing_free(&p);
 }
 
 TEST(material_as_text) {

@@ -75,10 +75,9 @@ TEST(test_other_sizes) {
     for (double d = 0.5; d <= 2; d *= 2) {
         spec.diameter_min = spec.diameter_max = d;
         spec.grains = (int32_t)(5 * 20 / d);
-        sp_packing p = sp_packing_none();
+        FREED(sp_packing) p = sp_packing_none();
         assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
         assert_sound(&p);
-        sp_packing_free(&p);
     }
     spec = sp_pack_spec_default();
     spec.kind = SP_PACK_CHAIN;
@@ -151,7 +150,7 @@ static int naive_rattlers(const sp_packing *p, double threshold, uint8_t *rattle
 TEST(test_rattlers) {
     uint8_t want[100], got[100], carrying[400];
     for (uint64_t seed = 1; seed <= 200; seed++) {
-        sp_packing p = make_triangular(10, 10, 1e-4);
+        FREED(sp_packing) p = make_triangular(10, 10, 1e-4);
         sp_random r = sp_random_make(seed, 77);
         p.friction = seed % 2 ? 0.5 : 0;
         for (int32_t c = 0; c < p.n_contacts; c++)
@@ -165,7 +164,6 @@ TEST(test_rattlers) {
             bool loose = got[k->i] || (k->j >= 0 && got[k->j]);
             assert_int_equal(carrying[c], !loose && k->fn > 1e-8);
         }
-        sp_packing_free(&p);
     }
 }
 
@@ -244,7 +242,7 @@ TEST(test_audit_finds) {
 
 /* Overlap and force follow from each other as in a packing that has both; what has neither is refused. */
 TEST(test_complete) {
-    sp_packing p = make_triangular(6, 6, 1e-4), q = make_triangular(6, 6, 1e-4);
+    FREED(sp_packing) p = make_triangular(6, 6, 1e-4), q = make_triangular(6, 6, 1e-4);
     for (int c = 0; c < q.n_contacts; c++)
         *(c % 2 ? &q.contacts[c].fn : &q.contacts[c].overlap) = NAN;
     assert_ok(sp_packing_complete(&q, &err));
@@ -261,8 +259,6 @@ TEST(test_complete) {
     q.contacts[3] = p.contacts[3];
     q.contacts[4].j = q.n;
     assert_fails(sp_packing_complete(&q, &err), SP_EINVAL, "4");
-    sp_packing_free(&p);
-    sp_packing_free(&q);
 }
 
 TEST(test_statics) {
@@ -380,7 +376,7 @@ TEST(test_spec_refuses) {
 
 /* The walls of a box balance together: friction at the bottom holds what the left wall pushes more than the right. */
 TEST(test_audit_box) {
-    sp_packing p;
+    FREED(sp_packing) p;
     sp_audit a;
     const double f = 1e-4, slip = 1e-5, normal[4][2] = {{0, -1}, {0, 1}, {-1, 0}, {1, 0}};
     assert_ok(sp_packing_alloc(&p, 2, 1, 4, &err));
@@ -400,7 +396,6 @@ TEST(test_audit_box) {
     p.contacts[0].ft[0] = 0;
     assert_ok(sp_packing_audit(&p, 1e-4, &a, &err));
     assert_close(a.wall_residual, slip / p.pressure, 1e-12);
-    sp_packing_free(&p);
 }
 
 TEST(nothing_given) {

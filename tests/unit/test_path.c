@@ -29,14 +29,13 @@ static void find_stress(const sp_packing *p, double stress[6]) {
 /* With prestress: the second derivative of the energy, or of the work. */
 static void find_stiffness(const sp_packing *p, path *to) {
     sp_network_options o = sp_network_options_default();
-    sp_network net;
+    FREED(sp_network) net;
     sp_elasticity e;
     o.prestress = true;
     o.threshold = 1e-8;
     assert_ok(sp_network_make(p, &o, &net, &err));
     assert_ok(sp_elasticity_make(&net, 1, NULL, &e, &err));
     memcpy(to->c, e.c, sizeof e.c);
-    sp_network_free(&net);
 }
 
 static sp_status keep(const sp_packing *p, int32_t index, void *user, sp_error *e) {
@@ -73,11 +72,10 @@ static sp_pack_spec spec_of(int dim, bool rough) {
 static path run(const sp_pack_spec *s) {
     path to = {0};
     const sp_pack_hooks hooks = {.user = &to, .stage = keep};
-    sp_packing p = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none();
     assert_ok(sp_packing_make_with(s, &hooks, &p, &err));
     assert_ok(keep(&p, to.count, &to, &err));
     assert_int_equal(to.count, sp_pack_stages(s));
-    sp_packing_free(&p);
     sp_free(to.first);
     return to;
 }

@@ -31,8 +31,8 @@ static double seen(const sp_network *net, const sp_place *at, const double *u) {
 /* The force on all that lies above a plane: what comes through the plane, less what goes on to the top wall, or in a
  * periodic cell through its lowest plane. */
 static void planes_balance(sp_packing p, bool prestress, bool shear) {
-    sp_network net = network_of(&p, prestress);
-    double *u = random_vector(&net, 7), *ku = malloc((size_t)sp_network_dofs(&net) * sizeof *ku);
+    FREED(sp_network) net = network_of(&p, prestress);
+    RELEASED double *u = random_vector(&net, 7), *ku = malloc((size_t)sp_network_dofs(&net) * sizeof *ku);
     const int axis = shear ? 0 : net.dim - 1;
     const sp_place top = {.kind = net.cell == SP_CELL_PERIODIC ? SP_PLACE_PLANE : SP_PLACE_WALL, .shear = shear};
     double scale = 0;
@@ -49,9 +49,6 @@ static void planes_balance(sp_packing p, bool prestress, bool shear) {
         if (net.dim > 1)
             assert_close(sp_network_plane_height(&net, plane.height), plane.height, 0.5);
     }
-    free(ku);
-    free(u);
-    sp_network_free(&net);
 }
 
 TEST(momentum_is_balanced) {
@@ -73,8 +70,8 @@ TEST(momentum_is_balanced) {
 
 TEST(parts_make_the_whole) {
     sp_packing p = scattered_packing(2, 6, 0.5, 11);
-    sp_network net = network_of(&p, false);
-    double *u = random_vector(&net, 12);
+    FREED(sp_network) net = network_of(&p, false);
+    RELEASED double *u = random_vector(&net, 12);
     for (int shear = 0; shear < 2; shear++) {
         const sp_place whole = {.shear = shear};
         const double cut = 0.37 * net.box[0];
@@ -90,16 +87,14 @@ TEST(parts_make_the_whole) {
             }
         assert_close(grains, all, 1e-14);
     }
-    free(u);
-    sp_network_free(&net);
 }
 
 /* A disc sees what the grains within its radius see, those across the period too; one over the corner has four parts.
  */
 TEST(discs) {
     sp_packing p = scattered_packing(3, 5, 0.5, 21);
-    sp_network net = network_of(&p, false);
-    double *u = random_vector(&net, 22);
+    FREED(sp_network) net = network_of(&p, false);
+    RELEASED double *u = random_vector(&net, 22);
     const sp_place at[] = {{.kind = SP_PLACE_DISC, .x = 2, .y = 2.5, .diameter = 3},
                            {.kind = SP_PLACE_DISC, .shear = true, .diameter = 3.5}};
     for (int d = 0; d < 2; d++) {
@@ -132,16 +127,14 @@ TEST(discs) {
     sp_place back;
     assert_ok(sp_place_read(sp_place_text(&at[1], false, text), false, &back, NULL, &err));
     assert_true(back.kind == SP_PLACE_DISC && back.shear && back.diameter == 3.5);
-    free(u);
-    sp_network_free(&net);
 }
 
 /* A grain inside: the net force on it; as a source a unit of momentum. */
 TEST(grains_inside) {
     sp_packing p = scattered_packing(2, 6, 0.5, 13);
-    sp_network net = network_of(&p, true);
+    FREED(sp_network) net = network_of(&p, true);
     const int64_t n = sp_network_dofs(&net);
-    double *u = random_vector(&net, 14), *ku = malloc((size_t)n * sizeof *ku);
+    RELEASED double *u = random_vector(&net, 14), *ku = malloc((size_t)n * sizeof *ku);
     sp_network_apply(&net, u, ku);
     int32_t inside = -1;
     for (int32_t i = 0; i < net.n; i++)
@@ -159,16 +152,13 @@ TEST(grains_inside) {
         }
         sp_network_apply(&net, u, ku);
     }
-    free(ku);
-    free(u);
-    sp_network_free(&net);
 }
 
 /* A wall that moves along x pushes its grains and turns them: force balance of a single grain on the wall. */
 TEST(shear_turns) {
     sp_packing p = scattered_packing(2, 5, 0.5, 15);
-    sp_network net = network_of(&p, false);
-    double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
+    FREED(sp_network) net = network_of(&p, false);
+    RELEASED double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
     const sp_place at = {.shear = true};
     assert_ok(sp_network_source_at(&net, SP_SOURCE_IMPULSE, &at, out, &err));
     for (int32_t k = net.n_bulk; k < net.n_springs; k++) {
@@ -180,14 +170,12 @@ TEST(shear_turns) {
         /* the wall below drags the grain's lowest point to the right: it turns against the clock */
         assert_relative(out[3 * s->i + 2], s->kt * s->ri, 1e-15);
     }
-    free(out);
-    sp_network_free(&net);
 }
 
 TEST(wrong_places) {
     sp_packing p = scattered_packing(2, 5, 0, 17), chain = chain_packing(4, 1e-4);
-    sp_network net = network_of(&p, false), row = network_of(&chain, false);
-    double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
+    FREED(sp_network) net = network_of(&p, false), row = network_of(&chain, false);
+    RELEASED double *out = malloc((size_t)sp_network_dofs(&net) * sizeof *out);
     const double heights[] = {0, -1, NAN, INFINITY, net.box[1]};
     for (int k = 0; k < 5; k++) {
         const sp_place at = {.kind = SP_PLACE_PLANE, .height = heights[k]};
@@ -208,9 +196,6 @@ TEST(wrong_places) {
     const sp_place far = {.kind = SP_PLACE_GRAIN, .grain = 1000}, none = {.kind = SP_PLACE_GRAIN, .grain = -1};
     assert_fails(sp_network_detector_at(&net, &far, out, &err), SP_EINVAL, "1000");
     assert_fails(sp_network_detector_at(&net, &none, out, &err), SP_EINVAL, "-1");
-    free(out);
-    sp_network_free(&net);
-    sp_network_free(&row);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -124,10 +124,10 @@ static double jacobian_error(const sp_packing *p, const sp_network *net, stage b
 TEST(test_jacobian) {
     for (int dim = 2; dim <= 3; dim++)
         for (int by = 0; by < STAGES; by++) {
-            sp_packing p = carried_packing(dim, dim == 2 ? 6 : 4, 0.4, 7 + (unsigned)dim);
-            sp_network net = carried_network(&p);
+            FREED(sp_packing) p = carried_packing(dim, dim == 2 ? 6 : 4, 0.4, 7 + (unsigned)dim);
+            FREED(sp_network) net = carried_network(&p);
             assert_non_null(net.carried);
-            double *u = carried_vector(sp_network_dofs(&net));
+            RELEASED double *u = carried_vector(sp_network_dofs(&net));
             const double h = 4e-4, e1 = jacobian_error(&p, &net, (stage)by, u, h),
                          e2 = jacobian_error(&p, &net, (stage)by, u, h / 2);
             assert_true(e1 < 1e-3);
@@ -136,9 +136,6 @@ TEST(test_jacobian) {
             net.carried = NULL;
             assert_true(jacobian_error(&p, &net, (stage)by, u, h / 2) > 10 * e1);
             net.carried = carried;
-            free(u);
-            sp_network_free(&net);
-            sp_packing_free(&p);
         }
 }
 
@@ -146,20 +143,17 @@ TEST(test_jacobian) {
 TEST(test_packed) {
     for (int dim = 2; dim <= 3; dim++) {
         sp_pack_spec spec = sp_pack_spec_default();
-        sp_packing p = sp_packing_none();
+        FREED(sp_packing) p = sp_packing_none();
         spec.dim = dim;
         spec.grains = dim == 2 ? 60 : 100;
         spec.width = dim == 2 ? 6 : 5;
         spec.pressure = 1e-3;
         spec.seed = 3;
         assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
-        sp_network net = carried_network(&p);
-        double *u = carried_vector(sp_network_dofs(&net));
+        FREED(sp_network) net = carried_network(&p);
+        RELEASED double *u = carried_vector(sp_network_dofs(&net));
         assert_non_null(net.carried);
         assert_true(jacobian_error(&p, &net, VIBRATION, u, 1e-8) < 1e-5);
-        free(u);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -188,9 +182,9 @@ static void cut_free(sp_packing *p) {
  * the overlap times the angle. */
 TEST(test_turned) {
     for (int dim = 2; dim <= 3; dim++) {
-        sp_packing p = carried_packing(dim, dim == 2 ? 5 : 4, 0.4, 31);
+        FREED(sp_packing) p = carried_packing(dim, dim == 2 ? 5 : 4, 0.4, 31);
         cut_free(&p);
-        sp_network net = carried_network(&p);
+        FREED(sp_network) net = carried_network(&p);
         const int dof = net.dof;
         const int64_t n = sp_network_dofs(&net);
         const double angle[3] = {dim == 3 ? 0.3 : 0, dim == 3 ? -0.7 : 0, 0.5};
@@ -245,8 +239,6 @@ TEST(test_turned) {
         free(ju);
         free(load);
         free(slip);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -262,12 +254,12 @@ static double dot(int64_t n, const double *x, const double *y) {
 /* Assembled as a whole, its symmetric part, applied, transposed, as energy, two at once: the same J. */
 TEST(test_assembled) {
     for (int dim = 2; dim <= 3; dim++) {
-        sp_packing p = carried_packing(dim, dim == 2 ? 6 : 4, 0.4, 41);
-        sp_network net = carried_network(&p);
+        FREED(sp_packing) p = carried_packing(dim, dim == 2 ? 6 : 4, 0.4, 41);
+        FREED(sp_network) net = carried_network(&p);
         const int64_t n = sp_network_dofs(&net);
-        double *u = carried_vector(n), *v = carried_vector(n), *x = calloc(5 * (size_t)n, sizeof *x);
+        RELEASED double *u = carried_vector(n), *v = carried_vector(n), *x = calloc(5 * (size_t)n, sizeof *x);
         double *ju = x, *jtv = x + n, *whole = x + 2 * n, *back = x + 3 * n, *half = x + 4 * n, largest = 0;
-        sp_sparse j, s;
+        FREED(sp_sparse) j, s;
         assert_ok(sp_network_assemble_whole(&net, &j, &err));
         assert_ok(sp_network_assemble(&net, &s, &err));
         for (int64_t c = 0; c < n; c++) {
@@ -300,13 +292,6 @@ TEST(test_assembled) {
             asymmetry = fmax(asymmetry, fabs(ju[k] - jtv[k]));
         }
         assert_true(asymmetry > 1e-3 * largest);
-        sp_sparse_free(&j);
-        sp_sparse_free(&s);
-        free(x);
-        free(u);
-        free(v);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -333,7 +318,7 @@ static double norm_of(const sp_network *net, double sign) {
 /* The bounds hold and are near; without tangential forces, or without prestress, K is symmetric. */
 TEST(test_bounds) {
     for (int dim = 2; dim <= 3; dim++) {
-        sp_packing p = carried_packing(dim, dim == 2 ? 6 : 4, 0.4, 47);
+        FREED(sp_packing) p = carried_packing(dim, dim == 2 ? 6 : 4, 0.4, 47);
         sp_network net = carried_network(&p);
         const double skew = norm_of(&net, -1), fastest = sqrt(norm_of(&net, 1));
         double largest = 0;
@@ -353,7 +338,6 @@ TEST(test_bounds) {
         assert_true(sp_network_skew(&net) == 0 && sp_network_soft(&net) > 0);
         assert_ok(sp_network_need_symmetry(&net, "this", &err));
         sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 

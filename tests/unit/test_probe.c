@@ -18,8 +18,8 @@ static sp_probe_moduli probe_of(const sp_network *net, sp_probe_kind kind, int n
  * 1))); lines leave every spring stretched alike. The sums that take part are of 25 terms. */
 TEST(test_chain) {
     enum { N = 23 };
-    sp_packing p = chain_packing(N, 1e-4);
-    sp_network net = default_network(&p);
+    FREED(sp_packing) p = chain_packing(N, 1e-4);
+    FREED(sp_network) net = default_network(&p);
     const double height = net.box[0], k = net.springs[0].kn;
     for (int i = 0; i < N; i++)
         net.x[3 * i] = height * (i + 1) / (N + 1);
@@ -38,8 +38,6 @@ TEST(test_chain) {
         assert_relative(got.along, k * height / (N + 1), 1e-12);
         assert_close(got.along, k * height / (N + 1), got.error_along);
     }
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* In an ordered packing the apparent moduli of long waves are the global ones: what the walls and the lattice take off
@@ -52,8 +50,8 @@ TEST(test_lattice) {
         spec.width = 6;
         spec.grains = high ? 6 * 80 : 6 * 40;
         spec.pressure = 1e-6;
-        sp_packing p = make_packing(&spec);
-        sp_network net = default_network(&p);
+        FREED(sp_packing) p = make_packing(&spec);
+        FREED(sp_network) net = default_network(&p);
         const sp_probe probe[] = {{SP_PROBE_SINE, 1}, {SP_PROBE_LINES, 1}};
         sp_probe_moduli got[2];
         sp_moduli m;
@@ -65,8 +63,6 @@ TEST(test_lattice) {
             off[high][2 * k + 1] = fabs(got[k].shear / m.c33 - 1);
             assert_true(off[high][2 * k] < 0.1 && off[high][2 * k + 1] < 0.1);
         }
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
     for (int q = 0; q < 4; q++) /* halved to a tenth, or rounding of positions */
         assert_true(off[1][q] < 0.55 * off[0][q] || off[1][q] < 1e-6);
@@ -75,8 +71,8 @@ TEST(test_lattice) {
 /* Fixing grains can only stiffen; each probe alone is each probe among others, and the global moduli are those of
  * sp_moduli_make. */
 TEST(test_together) {
-    sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
-    sp_network net = default_network(&p);
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
+    FREED(sp_network) net = default_network(&p);
     const sp_probe probe[] = {{SP_PROBE_SINE, 1}, {SP_PROBE_SINE, 2}, {SP_PROBE_LINES, 1}, {SP_PROBE_LINES, 3}};
     sp_probe_moduli all[4];
     sp_moduli m, alone;
@@ -94,15 +90,13 @@ TEST(test_together) {
         assert_true(one.concentrated < 0.1 && one.left_out == 0);
     }
     assert_true(all[3].along > all[2].along && all[3].shear > all[2].shear); /* held lines 2 of 3 are among 1 of 1 */
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Walls that do not grip: the cosine has a modulus to give, lines have none. The cosine's is near the sine's between
  * walls that do. */
 TEST(test_smooth) {
-    sp_packing p = scattered_packing(2, 16, 0.5, 1);
-    sp_network net = default_network(&p);
+    FREED(sp_packing) p = scattered_packing(2, 16, 0.5, 1);
+    FREED(sp_network) net = default_network(&p);
     const sp_probe_moduli rough = probe_of(&net, SP_PROBE_SINE, 2);
     for (int k = 0; k < net.n_springs; k++)
         if (net.springs[k].j < 0)
@@ -117,8 +111,6 @@ TEST(test_smooth) {
             net.springs[k].kt = net.springs[k].kn;
     const sp_probe_moduli half = probe_of(&net, SP_PROBE_SINE, 1);
     assert_true(half.along > 0 && isnan(half.shear));
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 enum { LOOSE = 136 };
@@ -126,8 +118,8 @@ enum { LOOSE = 136 };
 /* A grain that hangs on one spring: the body force across it has no answer and is left out, what remains is that of a
  * packing in which the grain rests on the spring alone. A grain that is nearly so takes most of the energy. */
 TEST(test_loose) {
-    sp_packing p = scattered_packing(2, 16, 0.5, 1);
-    sp_network net = default_network(&p);
+    FREED(sp_packing) p = scattered_packing(2, 16, 0.5, 1);
+    FREED(sp_network) net = default_network(&p);
     const sp_probe_moduli whole = probe_of(&net, SP_PROBE_SINE, 1);
     int springs = 0;
     for (int k = 0; k < net.n_springs; k++) {
@@ -153,14 +145,12 @@ TEST(test_loose) {
     const sp_probe probe = {SP_PROBE_SINE, 1};
     sp_error refused = {0};
     assert_int_equal(sp_moduli_probe(&net, 0.5, 1, &probe, NULL, &out, &refused), SP_EREFUSED);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_space) {
     for (int smooth = 0; smooth < 2; smooth++) {
-        sp_packing p = scattered_packing(3, 6, smooth ? 0 : 0.5, 1);
-        sp_network net = default_network(&p);
+        FREED(sp_packing) p = scattered_packing(3, 6, smooth ? 0 : 0.5, 1);
+        FREED(sp_network) net = default_network(&p);
         const sp_probe probe[] = {{SP_PROBE_SINE, 1}, {SP_PROBE_LINES, 1}};
         sp_probe_moduli got[2];
         sp_moduli m;
@@ -171,13 +161,11 @@ TEST(test_space) {
         }
         assert_true(got[0].shear > 0);
         assert_true(smooth ? isnan(got[1].shear) && got[0].along > 0 : fabs(got[1].shear / m.c55 - 1) < 0.2);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 TEST(test_refusals) {
-    sp_packing p = scattered_packing(2, 8, 0.5, 1);
+    FREED(sp_packing) p = scattered_packing(2, 8, 0.5, 1);
     sp_network net = default_network(&p);
     sp_probe_moduli out[2];
     sp_moduli m;
@@ -210,7 +198,6 @@ TEST(test_refusals) {
     assert_ok(sp_moduli_probe(&net, NAN, 0, NULL, &m, NULL, &err));
     EACH_ALLOCATION_FAILS(15, sp_moduli_probe(&net, 0.5, 2, both, &m, out, &err), (void)0);
     sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

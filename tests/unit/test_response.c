@@ -32,10 +32,10 @@ static void check_balance(const sp_network *net, const sp_response *r, int32_t a
 /* Betti: the work of one load on the response to another is the same in both orders. The load of a grain that swells is
  * -R times the sum of the normal forces of its contacts. */
 static void check_reciprocal(const sp_network *net, int32_t i, int32_t j) {
-    sp_response a = response(net, SP_LOAD_FORCE, i, 0), b = response(net, SP_LOAD_FORCE, j, 1);
+    FREED(sp_response) a = response(net, SP_LOAD_FORCE, i, 0), b = response(net, SP_LOAD_FORCE, j, 1);
     const double scale = sqrt(a.work * b.work);
     assert_close(a.u[(int64_t)j * net->dof + 1], b.u[(int64_t)i * net->dof], 1e-8 * scale);
-    sp_response s = response(net, SP_LOAD_SWELL, j, 0);
+    FREED(sp_response) s = response(net, SP_LOAD_SWELL, j, 0);
     double sum = 0;
     for (int32_t k = 0; k < net->n_springs; k++)
         if (net->springs[k].i == j || net->springs[k].j == j)
@@ -43,7 +43,7 @@ static void check_reciprocal(const sp_network *net, int32_t i, int32_t j) {
     assert_close(s.u[(int64_t)i * net->dof], sum, 1e-8 * sqrt(a.work * s.work));
     /* a dipole pushes the ends apart; its response to the force is the change of the distance */
     const sp_spring *c = &net->springs[3];
-    sp_response d = response(net, SP_LOAD_DIPOLE, 3, 0);
+    FREED(sp_response) d = response(net, SP_LOAD_DIPOLE, 3, 0);
     double apart = 0;
     for (int q = 0; q < net->dim; q++) {
         const double far = c->j >= 0 ? a.u[(int64_t)c->j * net->dof + q] : 0;
@@ -51,10 +51,6 @@ static void check_reciprocal(const sp_network *net, int32_t i, int32_t j) {
     }
     assert_close(d.u[(int64_t)i * net->dof], apart, 1e-8 * sqrt(a.work * d.work));
     assert_close(d.fn[3], -c->kn * 2 * d.work, 1e-8 * c->kn * d.work);
-    sp_response_free(&a);
-    sp_response_free(&b);
-    sp_response_free(&s);
-    sp_response_free(&d);
 }
 
 /* What the grains take off the affine modulus, and the stress of all contacts. */
@@ -69,7 +65,7 @@ static void check_strains(const sp_network *net) {
             assert_fails(sp_response_make(net, &load, &none, &err), SP_EREFUSED, "friction");
             continue;
         }
-        sp_response r = response(net, SP_LOAD_STRAIN, 0, a);
+        FREED(sp_response) r = response(net, SP_LOAD_STRAIN, 0, a);
         for (int32_t k = 0; k < net->n_springs; k++) {
             const sp_spring *p = &net->springs[k];
             double gap[3], along = 0, squares = 0;
@@ -82,51 +78,44 @@ static void check_strains(const sp_network *net) {
         }
         const double c = (affine - 2 * r.work) / sp_strain_volume(net);
         assert_close(c, s.c[a][a], 2 * s.error[a][a] + 1e-12 * affine / sp_strain_volume(net));
-        sp_response_free(&r);
     }
 }
 
 TEST(test_responses) {
     for (int q = 0; q < 3; q++) {
-        sp_packing p = q == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
-                       : q == 1 ? scattered_packing(2, 8, 0.5, 1)
-                                : scattered_packing(3, 5, 0.5, 1);
-        sp_network net = network_with(&p, .sliding_free = false);
-        sp_response r = response(&net, SP_LOAD_FORCE, 10, 1);
+        FREED(sp_packing) p = q == 0   ? reference_packing(REFERENCE("packing_N200_p1e-4.txt"))
+                              : q == 1 ? scattered_packing(2, 8, 0.5, 1)
+                                       : scattered_packing(3, 5, 0.5, 1);
+        FREED(sp_network) net = network_with(&p, .sliding_free = false);
+        FREED(sp_response) r = response(&net, SP_LOAD_FORCE, 10, 1);
         check_balance(&net, &r, 10, 1, false);
-        sp_response_free(&r);
         check_reciprocal(&net, 10, 17);
         check_strains(&net);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 TEST(test_periodic_and_smooth) {
     for (int friction = 0; friction < 2; friction++) {
         sp_pack_spec s = sp_pack_spec_default();
-        sp_packing p;
+        FREED(sp_packing) p;
         s.cell = SP_CELL_PERIODIC;
         s.protocol = SP_PROTOCOL_QUICK;
         s.grains = 80;
         s.pressure = 1e-3;
         s.friction = 0.5 * friction;
         assert_ok(sp_packing_make(&s, NULL, NULL, &p, &err));
-        sp_network net = network_with(&p, .sliding_free = false);
+        FREED(sp_network) net = network_with(&p, .sliding_free = false);
         for (int axis = 0; axis < 2; axis++) {
-            sp_response r = response(&net, SP_LOAD_FORCE, 5, axis);
+            FREED(sp_response) r = response(&net, SP_LOAD_FORCE, 5, axis);
             check_balance(&net, &r, 5, axis, true);
             assert_close(r.u[5 * net.dof + axis], 2 * r.work, 1e-8 * r.work);
-            sp_response_free(&r);
         }
         check_strains(&net);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 TEST(test_refusals) {
-    sp_packing p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     sp_network net = network_with(&p, .sliding_free = false);
     sp_response r = sp_response_none();
     const sp_load bad[] = {{SP_LOAD_FORCE, -1, 0},
@@ -143,7 +132,6 @@ TEST(test_refusals) {
     net = network_with(&p, .prestress = true);
     assert_fails(sp_response_make(&net, &load, &r, &err), SP_EREFUSED, "symmetric");
     sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -35,17 +35,15 @@ TEST(test_scene) {
                "packing = { kind = \"chain\"; sizes = \"list\"; diameter_file = \"sizes.txt\"; grains = 3; "
                "pressure = 2.5e-4; };\n",
                path, sizeof path);
-    sp_scene scene = sp_scene_default();
+    FREED(sp_scene) scene = sp_scene_default();
     assert_ok(sp_scene_read(path, 0, NULL, &scene, &err));
     assert_true(scene.pack.pressure == 2.5e-4 && scene.pack.diameters[0] == 0.75 && scene.pack.diameters[2] == 1.25);
-    sp_scene_free(&scene);
 }
 
 TEST(test_texts) {
-    sp_table t = sp_table_none();
+    FREED(sp_table) t = sp_table_none();
     assert_ok(sp_table_add_comment(&t, &err, "gamma = %g", 0.625));
     assert_string_equal(t.comment[0], "gamma = 0.625");
-    sp_table_free(&t);
     sp_error why = {0};
     sp_fail(&why, SP_EINVAL, "value %g", 0.5);
     sp_fail_prefix(&why, "limit %g", 1.5);

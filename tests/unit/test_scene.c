@@ -23,7 +23,7 @@ TEST(defaults_are_those_of_the_rooms) {
     const sp_pack_spec pack = sp_pack_spec_default();
     const sp_network_options network = sp_network_options_default();
     const sp_signal_options signal = sp_signal_options_default();
-    sp_scene s;
+    FREED(sp_scene) s;
     assert_ok(sp_scene_read(NULL, 0, NULL, &s, &err));
     assert_true(s.pack.grains == pack.grains && s.pack.pressure == pack.pressure && s.pack.dim == pack.dim);
     assert_true(s.network.threshold == network.threshold && s.network.prestress == network.prestress);
@@ -35,18 +35,16 @@ TEST(defaults_are_those_of_the_rooms) {
         const sp_number number = sp_field_load(&s, &sp_fields[k]);
         assert_ok(sp_field_check(&sp_fields[k], &number, &err));
     }
-    sp_scene_free(&s);
 }
 
 TEST(integers_and_reals_stand_for_each_other) {
-    sp_scene s;
+    FREED(sp_scene) s;
     assert_ok(parse("packing = { grains = 1e3; width = 30; seed = 3000000000; max_steps = 5e12; };"
                     "signal : { until = 7, points = 0x10 };",
                     &s, &err));
     assert_int_equal(s.pack.grains, 1000);
     assert_true(s.pack.width == 30 && s.pack.seed == 3000000000u && s.pack.max_steps == 5000000000000);
     assert_true(s.signal.until == 7 && s.signal.points == 16);
-    sp_scene_free(&s);
 }
 
 TEST(every_word_and_switch_is_read) {
@@ -74,7 +72,7 @@ TEST(every_word_and_switch_is_read) {
 
 TEST(seeds_keep_their_64_bits) {
     const uint64_t seed = (UINT64_C(1) << 62) + 1; /* no double */
-    sp_scene s, again;
+    FREED(sp_scene) s, again;
     assert_ok(set("packing.seed=4611686018427387905", &s, &err));
     assert_true(s.pack.seed == seed);
     char *text = sp_scene_text(&s, "packing");
@@ -82,8 +80,6 @@ TEST(seeds_keep_their_64_bits) {
     assert_ok(parse(text, &again, &err));
     assert_true(again.pack.seed == seed);
     sp_free(text);
-    sp_scene_free(&again);
-    sp_scene_free(&s);
 }
 
 /* ---- text and back ------------------------------------------------------------------------------------------ */
@@ -225,7 +221,7 @@ TEST(overrides_win_and_are_checked) {
 }
 
 TEST(set_and_get_one_key) {
-    sp_scene s = sp_scene_default();
+    FREED(sp_scene) s = sp_scene_default();
     assert_ok(sp_scene_set(&s, "packing.pressure", 1e-6, &err));
     assert_ok(sp_scene_set(&s, "packing.grains", 200, &err));
     assert_ok(sp_scene_set(&s, "packing.poisson", -0.0, &err));
@@ -239,7 +235,6 @@ TEST(set_and_get_one_key) {
     assert_fails(sp_scene_set(&s, "", 1, &err), SP_EINVAL, "");
     assert_int_equal(s.pack.grains, 200);
     assert_true(isnan(sp_scene_get(&s, "packing.kind")) && isnan(sp_scene_get(&s, "grains")));
-    sp_scene_free(&s);
 }
 
 /* ---- the group column ------------------------------------------------------------------------------------------- */
@@ -278,7 +273,7 @@ TEST(each_check_is_for_its_own) {
 
 /* A store that was made without this group is found again with it. */
 TEST(samples_do_not_know_it) {
-    sp_scene plain, other;
+    FREED(sp_scene) plain, other;
     char names[2][SP_NAME_MAX];
     assert_ok(parse("packing = { kind = \"chain\"; grains = 5; };", &plain, &err));
     assert_ok(parse("packing = { kind = \"chain\"; grains = 5; };"
@@ -297,8 +292,6 @@ TEST(samples_do_not_know_it) {
     assert_ok(sp_study_scene(&other, 0, &sample, &err));
     sp_scene_free(&sample); /* lists stay the study's */
     assert_true(other.tapped.mass[1] == 2);
-    sp_scene_free(&plain);
-    sp_scene_free(&other);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -44,9 +44,9 @@ TEST(grains_fill_the_height) {
 /* The same packing has the same name, by whichever of the two it was asked for. */
 TEST(names_do_not_tell) {
     char by_height[SP_NAME_MAX], by_grains[SP_NAME_MAX], set[64];
-    sp_scene high = parsed("packing = { height = 25; };", NULL);
+    FREED(sp_scene) high = parsed("packing = { height = 25; };", NULL);
     snprintf(set, sizeof set, "packing.grains=%d", high.pack.grains);
-    sp_scene many = parsed("packing = { pressure = 1e-4; };", set);
+    FREED(sp_scene) many = parsed("packing = { pressure = 1e-4; };", set);
     sp_sample_name(&high, by_height);
     sp_sample_name(&many, by_grains);
     assert_string_equal(by_height, by_grains);
@@ -55,7 +55,6 @@ TEST(names_do_not_tell) {
     assert_null(strstr(a, "height"));
     sp_free(a);
     sp_free(b);
-    sp_scene_free(&many);
     /* set by a program, it is resolved by whoever needs the grains */
     assert_ok(sp_scene_set(&high, "packing.grains", 100, &err));
     assert_ok(sp_scene_set(&high, "packing.height", 25, &err));
@@ -65,15 +64,13 @@ TEST(names_do_not_tell) {
     assert_true(high.height == 0);
     sp_sample_name(&high, by_height);
     assert_string_not_equal(by_height, by_grains);
-    sp_scene_free(&high);
 }
 
 /* Names of samples that stores hold already: those since SONOPACK_ALGORITHM 8. */
 /* name: of the sample of a scene; the default scene for "". */
 static void name_of(const char *text, char name[SP_NAME_MAX]) {
-    sp_scene s = *text ? parsed(text, NULL) : sp_scene_default();
+    FREED(sp_scene) s = *text ? parsed(text, NULL) : sp_scene_default();
     sp_sample_name(&s, name);
-    sp_scene_free(&s);
 }
 
 TEST(names_stay) {
@@ -101,7 +98,7 @@ TEST(heights_and_widths_are_swept_together) {
         snprintf(set[0], sizeof set[0], k % 3 == 2 ? "packing.grains=600" : "packing.height=%g", height);
         snprintf(set[1], sizeof set[1], "packing.width=%g", width);
         char *sets[] = {set[0], set[1]};
-        sp_scene alone;
+        FREED(sp_scene) alone;
         assert_ok(sp_scene_parse("packing = { seed = 1; };", "s.cfg", 2, sets, &alone, &err));
         alone.pack.seed += (uint64_t)(k / 6);
         assert_int_equal(one.pack.grains, alone.pack.grains);
@@ -109,7 +106,6 @@ TEST(heights_and_widths_are_swept_together) {
         sp_sample_name(&one, name[0]);
         sp_sample_name(&alone, name[1]);
         assert_string_equal(name[0], name[1]);
-        sp_scene_free(&alone);
     }
     /* as text and back, with its sweeps */
     char *text = sp_scene_text(&study, NULL);
@@ -145,12 +141,11 @@ TEST(overrides_of_swept_heights) {
     for (int k = 0; k < 4; k++) {
         char text[200];
         snprintf(text, sizeof text, "study = { sweep = ( { key = \"%s\"; values = [10, 20]; } ); };", swept[k / 2]);
-        sp_scene s = parsed(text, set[k % 2]);
+        FREED(sp_scene) s = parsed(text, set[k % 2]);
         assert_true(k % 2 ? s.pack.grains > 200 && s.height == 9 : s.pack.grains == 30);
         assert_ok(sp_scene_resolve(&s, &err));
         assert_true(s.height == 0);
         assert_fails(sp_scene_check_sweeps(&s, &err), SP_EINVAL, swept[k / 2]);
-        sp_scene_free(&s);
     }
 }
 
@@ -160,13 +155,11 @@ TEST(boxes_come_out_that_high) {
                                  "packing = { height = 12; width = 12; tolerance = 1e-9; pressure = 1e-6; };",
                                  "packing = { dimension = 3; height = 9; width = 5; tolerance = 1e-7; };"};
     for (int k = 0; k < 3; k++) {
-        sp_scene s = parsed(scene[k], NULL);
-        sp_packing p = sp_packing_none();
+        FREED(sp_scene) s = parsed(scene[k], NULL);
+        FREED(sp_packing) p = sp_packing_none();
         assert_ok(sp_packing_make(&s.pack, NULL, NULL, &p, &err));
         /* walls leave gaps of about a third of a diameter, and low pressure leaves more room; narrow boxes even more */
         assert_relative(sp_packing_height(&p), k < 2 ? 12.0 : 9.0, k < 2 ? 0.06 : 0.08);
-        sp_packing_free(&p);
-        sp_scene_free(&s);
     }
 }
 
@@ -176,10 +169,9 @@ TEST(planes_are_read) {
     static const char *const same[] = {"signal.planes=12.5,25", "signal.planes=[12.5, 25.0]",
                                        "signal.planes=(1.25e1, 25)"};
     for (int k = 0; k < 3; k++) {
-        sp_scene s = parsed("signal = { planes = [1, 2, 3]; }; study = { want = [\"planes\"]; };", same[k]);
+        FREED(sp_scene) s = parsed("signal = { planes = [1, 2, 3]; }; study = { want = [\"planes\"]; };", same[k]);
         assert_int_equal(s.planes, 2);
         assert_true(s.plane[0] == 12.5 && s.plane[1] == 25 && s.want == SP_WANT_PLANES);
-        sp_scene_free(&s);
     }
     sp_scene s = parsed("signal = { planes = [7]; };", NULL);
     assert_true(s.planes == 1 && s.plane[0] == 7);

@@ -178,14 +178,13 @@ TEST(large_texts) {
     const size_t size = 200000;
     static const char *const repeated[][2] = {{"a = ", "("}, {"", "a=1;"}, {"a = ", "9"}, {"", "a"}};
     for (int k = 0; k < 4; k++) {
-        char *text = calloc(size + 16, 1);
+        RELEASED char *text = calloc(size + 16, 1);
         const size_t head = strlen(repeated[k][0]), unit = strlen(repeated[k][1]);
         memcpy(text, repeated[k][0], head);
         for (size_t at = head; at + unit <= size; at += unit)
             memcpy(text + at, repeated[k][1], unit);
         sp_scene s;
         assert_fails(sp_scene_parse(text, "s.cfg", 0, NULL, &s, &err), SP_EINVAL, "s.cfg");
-        free(text);
     }
 }
 

@@ -20,9 +20,8 @@ static sp_gradient gradient_of(const sp_network *net, const functional_case *c) 
 }
 
 static double value_of(const sp_network *net, void *with) {
-    sp_gradient g = gradient_of(net, with);
+    FREED(sp_gradient) g = gradient_of(net, with);
     const double value = g.value;
-    sp_gradient_free(&g);
     return value;
 }
 
@@ -235,11 +234,10 @@ static sp_gradient *part_of(sp_front_gradient *g, sp_front_quantity which) {
 
 static double front_value(const sp_network *net, void *with) {
     front_case *c = with;
-    sp_front_gradient g;
+    FREED(sp_front_gradient) g;
     c->o.parameters = SP_BY_KN;
     assert_ok(sp_sensitivity_front(net, &c->o, c->which, &g, &err));
     const double value = part_of(&g, c->which)->value;
-    sp_front_gradient_free(&g);
     return value;
 }
 

@@ -55,11 +55,10 @@ static sp_modes modes_of(const sp_network *net) {
 
 static double mean_square(const sp_network *net, void *with) {
     const mode_case *c = with;
-    sp_modes m = modes_of(net);
+    FREED(sp_modes) m = modes_of(net);
     double sum = 0;
     for (int64_t k = c->row; k < c->row + c->count; k++)
         sum += m.omega[k] * m.omega[k] / (double)c->count;
-    sp_modes_free(&m);
     return sum;
 }
 
@@ -120,9 +119,8 @@ static sp_gradient modulus_gradient(const sp_network *net, const modulus_case *c
 static double modulus_value(const sp_network *net, void *with) {
     modulus_case c = *(const modulus_case *)with;
     c.parameters = SP_BY_KN;
-    sp_gradient g = modulus_gradient(net, &c);
+    FREED(sp_gradient) g = modulus_gradient(net, &c);
     const double value = g.value;
-    sp_gradient_free(&g);
     return value;
 }
 

@@ -48,7 +48,7 @@ static void *look(void *unused) {
 
 TEST(orderings_leave_handlers_alone) {
     sp_sparse a = cube(40);
-    sp_supernodes s;
+    FREED(sp_supernodes) s;
     pthread_t thread;
     signal(SIGTERM, handler);
     signal(SIGABRT, handler);
@@ -58,7 +58,6 @@ TEST(orderings_leave_handlers_alone) {
     atomic_store(&done, true);
     pthread_join(thread, NULL);
     assert_int_equal(atomic_load(&replaced), 0);
-    sp_supernodes_free(&s);
     free(a.p);
     free(a.i);
     free(a.x);

@@ -289,11 +289,10 @@ TEST(a_lattice_starts_apart) {
     sp_pack_spec equal = s;
     equal.diameter_min = equal.diameter_max = sum;
     equal.width = 24 * sum;
-    sp_packing p = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none();
     assert_ok(sp_packing_make(&equal, NULL, NULL, &p, &err));
     assert_relative(start.width_end, p.box[0], 1e-14);
     assert_relative(start.height_end, p.box[1], 1e-14);
-    sp_packing_free(&p);
     s.pressure = 1e-2;
     s.width *= 0.02;
     s.diameter_min *= 0.02;

@@ -86,7 +86,7 @@ static void assert_zeros(const sp_modes *all, const sp_modes *part) {
 static void check_lowest(const sp_network *net, const sp_modes *all, int64_t count, bool vectors, bool zero) {
     const sp_modes_options o = {.vectors = vectors, .solver = solver};
     sp_modes_range range = sp_modes_range_lowest(count);
-    sp_modes m = sp_modes_none();
+    FREED(sp_modes) m = sp_modes_none();
     range.zero = zero;
     assert_ok(sp_modes_sparse(net, &o, &range, &m, &err));
     assert_int_equal(m.solver, solver == SP_SOLVER_AUTO ? SP_SOLVER_LANCZOS : solver);
@@ -99,25 +99,23 @@ static void check_lowest(const sp_network *net, const sp_modes *all, int64_t cou
     assert_true(m.certified_from == 0 && m.certified_to >= m.omega[m.n - 1] - 1e-9);
     if (m.first + m.n < all->n)
         assert_true(m.certified_to <= all->omega[m.first + m.n] + all->error[m.first + m.n]);
-    sp_modes_free(&m);
 }
 
 static void check_all(const sp_network *net, const sp_modes *all, bool vectors) {
     const sp_modes_options o = {.vectors = vectors, .solver = solver};
     const sp_modes_range range = sp_modes_range_all();
-    sp_modes m = sp_modes_none();
+    FREED(sp_modes) m = sp_modes_none();
     assert_ok(sp_modes_sparse(net, &o, &range, &m, &err));
     assert_int_equal(m.n, all->n);
     assert_int_equal(m.n_zero, all->n_zero);
     assert_zeros(all, &m);
     assert_part(all, &m);
-    sp_modes_free(&m);
 }
 
 static void check_band(const sp_network *net, const sp_modes *all, double from, double to, bool vectors) {
     const sp_modes_options o = {.vectors = vectors, .solver = solver};
     const sp_modes_range range = sp_modes_range_band(from, to);
-    sp_modes m = sp_modes_none();
+    FREED(sp_modes) m = sp_modes_none();
     int64_t below = 0, inside = 0, edge = 0;
     assert_ok(sp_modes_sparse(net, &o, &range, &m, &err));
     for (int64_t k = 0; k < all->n; k++) {
@@ -137,7 +135,6 @@ static void check_band(const sp_network *net, const sp_modes *all, double from, 
         assert_true(m.certified_from <= m.omega[0] + m.error[0]);
         assert_true(m.certified_to >= m.omega[m.n - 1] - m.error[m.n - 1]);
     }
-    sp_modes_free(&m);
 }
 
 static void check_parts(sp_modes_solver by) {
@@ -146,8 +143,8 @@ static void check_parts(sp_modes_solver by) {
     print_message("seed %u\n", seed);
     srand(seed);
     for (int k = 0; k < SHAPES; k += SANITIZED_STEP(3) * (by == SP_SOLVER_ARPACK ? 2 : 1)) {
-        sp_network net = shape(k);
-        sp_modes all = dense_of(&net);
+        FREED(sp_network) net = shape(k);
+        FREED(sp_modes) all = dense_of(&net);
         const double top = all.omega[all.n - 1];
         check_lowest(&net, &all, 1, true, false);
         check_lowest(&net, &all, 17, k % 2, true);
@@ -168,8 +165,6 @@ static void check_parts(sp_modes_solver by) {
         check_band(&net, &all, 0.97 * top, HUGE_VAL, false);
         check_band(&net, &all, 1.2 * top, 1.3 * top, true);
         check_band(&net, &all, 1.2 * top, HUGE_VAL, false);
-        sp_modes_free(&all);
-        sp_network_free(&net);
     }
 }
 
@@ -179,8 +174,8 @@ TEST(test_parts_by_arpack) { check_parts(SP_SOLVER_ARPACK); }
 
 /* A limit that is a mode's own frequency: the mode is in, and told of. */
 TEST(test_on_the_edge) {
-    sp_network net = shape(5);
-    sp_modes all = dense_of(&net), m = sp_modes_none();
+    FREED(sp_network) net = shape(5);
+    FREED(sp_modes) all = dense_of(&net), m = sp_modes_none();
     const sp_modes_options o = {.vectors = true};
     const int64_t some = all.n_rattler + 100;
     const sp_modes_range range = sp_modes_range_band(all.omega[some], all.omega[some + 7]);
@@ -188,15 +183,12 @@ TEST(test_on_the_edge) {
     assert_int_equal(m.first, some);
     assert_int_equal(m.n, 8);
     assert_int_equal(m.on_edge, 2);
-    sp_modes_free(&m);
-    sp_modes_free(&all);
-    sp_network_free(&net);
 }
 
 /* Amplitudes do not depend on the solver: a b of a mode that stands alone. */
 TEST(test_amplitudes) {
-    sp_network net = shape(5);
-    sp_modes all = dense_of(&net), m = sp_modes_none();
+    FREED(sp_network) net = shape(5);
+    FREED(sp_modes) all = dense_of(&net), m = sp_modes_none();
     const sp_modes_options o = {.vectors = true};
     const sp_modes_range range = sp_modes_range_lowest(50);
     assert_ok(sp_modes_sparse(&net, &o, &range, &m, &err));
@@ -205,15 +197,12 @@ TEST(test_amplitudes) {
         assert_close(m.b[k], all.b[m.first + k], 1e-8);
         assert_relative(m.participation[k], all.participation[m.first + k], 1e-6);
     }
-    sp_modes_free(&m);
-    sp_modes_free(&all);
-    sp_network_free(&net);
 }
 
 TEST(test_refusals) {
     sp_network net = shape(5);
     const sp_modes_options o = sp_modes_options_default();
-    sp_modes m = sp_modes_none();
+    FREED(sp_modes) m = sp_modes_none();
     const sp_modes_range bad[] = {{-1, 0, HUGE_VAL, false},
                                   {sp_network_dofs(&net) + 1, 0, HUGE_VAL, false},
                                   {1000000000000, 0, HUGE_VAL, true},
@@ -240,12 +229,11 @@ TEST(test_refusals) {
     const sp_modes_range one = sp_modes_range_lowest(1);
     assert_ok(sp_modes_make(&net, &o, &one, &m, &err));
     assert_int_equal(m.n, 1);
-    sp_modes_free(&m);
     sp_network_free(&net);
 }
 
 TEST(test_no_memory) {
-    sp_network net = shape(0);
+    FREED(sp_network) net = shape(0);
     const sp_modes_range ranges[] = {sp_modes_range_lowest(3), sp_modes_range_band(0.2, 0.21)};
     for (int q = 0; q < 2; q++) {
         const sp_modes_options how = {.vectors = true};
@@ -253,7 +241,6 @@ TEST(test_no_memory) {
         EACH_ALLOCATION_FAILS(20, sp_modes_sparse(&net, &how, &ranges[q], &m, &err), assert_true(!lacks || !m.omega),
                               sp_modes_free(&m));
     }
-    sp_network_free(&net);
 }
 
 /* All modes of a chain, in pieces: omega_n = omega_max sin(n pi/(2(N+1))), bit for bit the same with any
@@ -261,7 +248,7 @@ TEST(test_no_memory) {
 static void check_pieces(bool vectors) {
     enum { N = 1300 };
     const double pi = 3.14159265358979323846;
-    sp_network net = network_of(chain_packing(N, 1e-4), false);
+    FREED(sp_network) net = network_of(chain_packing(N, 1e-4), false);
     sp_modes m[2] = {sp_modes_none(), sp_modes_none()};
     for (int q = 0; q < 2; q++) {
         const sp_modes_options how = {.vectors = vectors, .threads = q == 0 ? 1 : 3};
@@ -287,7 +274,6 @@ static void check_pieces(bool vectors) {
     }
     for (int q = 0; q < 2; q++)
         sp_modes_free(&m[q]);
-    sp_network_free(&net);
 }
 
 TEST(test_pieces) {

@@ -360,8 +360,8 @@ TEST(test_unstable) {
 }
 
 TEST(test_refusals) {
-    sp_packing p = scattered_packing(2, 3, 0.5, 1);
-    sp_network net = default_network(&p);
+    FREED(sp_packing) p = scattered_packing(2, 3, 0.5, 1);
+    FREED(sp_network) net = default_network(&p);
     const double bad[] = {NAN, INFINITY, -1}, omega = 0.3;
     sp_dos d;
     sp_transmission t;
@@ -384,8 +384,6 @@ TEST(test_refusals) {
     WRONG(dos, o.vectors = 3, &d, "vectors 3");
     WRONG(dos, o.resolution = 1e-12, &d, "moments");
 #undef WRONG
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -86,7 +86,7 @@ static sp_stability stability_of(const sp_packing *p, const sp_network *net) {
 
 /* Eigenvalues by LAPACK without vectors of ours: how many below -margin, and pairs with |im| above. */
 static void count_plainly(const sp_network *net, double margin, int64_t *negative, int64_t *pairs, double *growth) {
-    sp_sparse k;
+    FREED(sp_sparse) k;
     assert_ok(sp_network_assemble_whole(net, &k, &err));
     const int64_t n = k.n;
     double *a = sp_alloc((size_t)(n * n), sizeof *a), *v = sp_alloc((size_t)(n * n), sizeof *v);
@@ -107,7 +107,6 @@ static void count_plainly(const sp_network *net, double margin, int64_t *negativ
     sp_free(v);
     sp_free(re);
     sp_free(im);
-    sp_sparse_free(&k);
 }
 
 /* Springs in general position under tangential forces of any size: from stable to flutter and divergence. */
@@ -115,8 +114,8 @@ TEST(test_verdicts) {
     int64_t seen[3] = {0}, flutter = 0;
     for (int q = 0; q < 12; q++) {
         const double share = (const double[]){0.05, 2, 8}[q % 3];
-        sp_packing p = carried_packing(2 + q / 6, q / 6 ? 3 : 5, share, 70 + (unsigned)q);
-        sp_network net = carried_network(&p);
+        FREED(sp_packing) p = carried_packing(2 + q / 6, q / 6 ? 3 : 5, share, 70 + (unsigned)q);
+        FREED(sp_network) net = carried_network(&p);
         sp_stability s;
         for (int k = 0; k < net.n_springs; k++)
             net.springs[k].kp = 0;               /* only the tangential forces push */
@@ -134,8 +133,6 @@ TEST(test_verdicts) {
         assert_true((s.verdict == SP_MODES_UNSTABLE) == (s.negative + s.flutter > 0));
         seen[s.verdict]++;
         flutter += s.flutter;
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
     print_message("stable %d unstable %d undecided %d, %d complex pairs\n", (int)seen[0], (int)seen[1], (int)seen[2],
                   (int)flutter);
@@ -146,7 +143,7 @@ TEST(test_verdicts) {
  * too, whose softest eigenvalue is that of the table of modes. */
 TEST(test_packed) {
     sp_pack_spec spec = sp_pack_spec_default();
-    sp_packing p = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none();
     spec.dim = 3;
     spec.grains = 100;
     spec.width = 5;
@@ -166,25 +163,23 @@ TEST(test_packed) {
         spins = s.zero;
         if (!prestress) {
             const sp_modes_options m = {.vectors = false};
-            sp_modes modes = sp_modes_none();
+            FREED(sp_modes) modes = sp_modes_none();
             assert_ok(sp_modes_dense(&net, &m, &modes, &err));
             assert_int_equal(modes.n_zero - modes.n_rattler, s.zero);
             assert_close(s.softest / (modes.omega[modes.n_zero] * modes.omega[modes.n_zero]), 1, 0.02);
-            sp_modes_free(&modes);
         }
         sp_network_free(&net);
     }
-    sp_packing_free(&p);
 }
 
 /* Nothing but prestress acts sideways: it diverges, as counts of a symmetric matrix tell; the growth is known to 10%.
  */
 TEST(test_counts) {
-    sp_packing p = scattered_packing(2, 6, 0, 1);
+    FREED(sp_packing) p = scattered_packing(2, 6, 0, 1);
     for (int c = 0; c < p.n_contacts; c++)
         p.pressure = 1;
     sp_network_options o = {.threshold = 0, .prestress = true};
-    sp_network net = sp_network_none();
+    FREED(sp_network) net = sp_network_none();
     assert_ok(sp_network_make(&p, &o, &net, &err));
     for (int32_t k = 0; k < net.n_springs; k++)
         net.springs[k].kp *= 30; /* far beyond what forces off balance might do */
@@ -197,8 +192,6 @@ TEST(test_counts) {
     assert_int_equal(pairs, 0);
     assert_true(!s.dense && s.negative == negative && s.negative > 0 && s.verdict == SP_MODES_UNSTABLE);
     assert_true(s.growth <= growth && s.growth > 0.8 * growth && s.growth_bound >= growth);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Contacts left out that carry a good part of the force: the forces of the others do not balance, and motions that grow
@@ -214,9 +207,9 @@ TEST(test_unbalanced) {
             spec.friction = 0;
             spec.seed = 3;
         }
-        sp_packing p = make_packing(&spec);
+        FREED(sp_packing) p = make_packing(&spec);
         sp_network_options o = sp_network_options_default();
-        sp_network net = sp_network_none();
+        FREED(sp_network) net = sp_network_none();
         int64_t negative, pairs;
         double growth;
         o.prestress = true;
@@ -231,8 +224,6 @@ TEST(test_unbalanced) {
         assert_int_equal(s.unbalanced, s.negative + s.flutter);
         assert_true(s.zero <= (dim == 2 ? 1 : 12) && s.growth <= growth && s.growth > 0.8 * growth);
         assert_true(s.growth_bound >= growth);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -241,7 +232,7 @@ TEST(test_unbalanced) {
  * motions are never taken for zero. */
 TEST(test_column) {
     enum { N = 20 };
-    sp_packing chain = chain_packing(N, 0.002), p = sp_packing_none();
+    FREED(sp_packing) chain = chain_packing(N, 0.002), p = sp_packing_none();
     assert_ok(sp_packing_alloc(&p, 2, N, N + 1, &err));
     memcpy(p.r, chain.r, N * sizeof *p.r);
     memcpy(p.contacts, chain.contacts, (N + 1) * sizeof *p.contacts);
@@ -263,7 +254,7 @@ TEST(test_column) {
         int64_t negative, pairs;
         double growth;
         p.contacts[0].ft[0] = k ? 1e-3 : 1e-6;
-        sp_network net = carried_network(&p);
+        FREED(sp_network) net = carried_network(&p);
         const sp_stability s = stability_of(&p, &net);
         count_plainly(&net, 1e-9, &negative, &pairs, &growth);
         assert_true(s.dense && s.verdict == (k ? SP_MODES_UNDECIDED : SP_MODES_UNSTABLE));
@@ -271,10 +262,7 @@ TEST(test_column) {
         assert_true((s.unbalanced == s.negative + s.flutter) == (k == 1));
         assert_close(s.growth, growth, 1e-6);
         assert_true(s.growth_bound >= growth * (1 - 1e-9));
-        sp_network_free(&net);
     }
-    sp_packing_free(&p);
-    sp_packing_free(&chain);
 }
 
 RUN_TESTS(NULL, NULL)

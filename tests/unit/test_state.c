@@ -43,7 +43,7 @@ static void assert_same(const sp_packing *p, const sp_packing *q) {
 /* Stopped at several states, and resumed from there: once, and stopped again and again. */
 static void assert_resumes(const char *name, const sp_pack_spec *spec, const sp_packing *from) {
     album all = {.stop_after = -1}, part = {.stop_after = 0};
-    sp_packing whole = sp_packing_none(), p = sp_packing_none(), plain = sp_packing_none();
+    FREED(sp_packing) whole = sp_packing_none(), p = sp_packing_none(), plain = sp_packing_none();
     sp_pack_hooks hooks = {.from = from, .user = &all, .stage = count_stage};
     hooks.save = keep;
     assert_ok(sp_packing_make_with(spec, &hooks, &whole, &err));
@@ -77,9 +77,6 @@ static void assert_resumes(const char *name, const sp_pack_spec *spec, const sp_
     assert_int_equal(part.stages, all.stages);
     assert_same(&whole, &p);
     sp_free(all.state);
-    sp_packing_free(&plain);
-    sp_packing_free(&whole);
-    sp_packing_free(&p);
 }
 
 static sp_pack_spec small(int dim) {
@@ -111,7 +108,7 @@ TEST(every_start_goes_on) {
         if (dim == 2)
             assert_resumes("history", &s, NULL);
         s.history_count = 0;
-        sp_packing from = sp_packing_none();
+        FREED(sp_packing) from = sp_packing_none();
         assert_ok(sp_packing_make(&s, NULL, NULL, &from, &err));
         sp_pack_spec f = sp_pack_spec_default();
         f.kind = SP_PACK_FILE;
@@ -119,7 +116,6 @@ TEST(every_start_goes_on) {
         f.history_count = dim == 2 ? 2 : 1;
         f.tolerance = 1e-9;
         assert_resumes("file", &f, &from);
-        sp_packing_free(&from);
     }
     for (int k = 0; k < 4; k += SANITIZED_STEP(3)) { /* periodic and box, with a stress too */
         static const double stress[] = {1e-5, 1.1e-5, 1e-6};

@@ -55,10 +55,9 @@ TEST_IN_FOLDER(devices_stay_devices) {
     assert_true(S_ISCHR(info.st_mode));
     assert_int_equal(lstat("/dev/full", &info), 0);
     assert_true(S_ISCHR(info.st_mode));
-    sp_packing p = fixture_packing(1, 2, 5);
+    FREED(sp_packing) p = fixture_packing(1, 2, 5);
     assert_fails(sp_packing_save(&p, "/dev/full", &err), SP_EIO, "regular file");
     assert_fails(sp_packing_save_text(&p, "/dev/full", &err), SP_EIO, "No space left");
-    sp_packing_free(&p);
 }
 
 TEST_IN_FOLDER(places_that_are_none) {
@@ -67,7 +66,7 @@ TEST_IN_FOLDER(places_that_are_none) {
     assert_fails(sp_text_save(fixture_path(folder, "no/where"), "x", 1, &err), SP_EIO, "No such file");
     assert_fails(sp_text_save(fixture_path(folder, "new/"), "x", 1, &err), SP_EIO, "new/");
     assert_fails(sp_folder_probe(fixture_path(folder, "no"), &err), SP_EIO, "No such file");
-    char *longest = malloc(6000);
+    RELEASED char *longest = malloc(6000);
     memset(longest, 'x', 5999);
     longest[5999] = '\0';
     assert_fails(sp_text_save(longest, "x", 1, &err), SP_EIO, "");
@@ -79,7 +78,6 @@ TEST_IN_FOLDER(places_that_are_none) {
     snprintf(path, sizeof path, "%s/%s", folder, longest);
     assert_ok(sp_text_save(path, "x", 1, &err));
     assert_int_equal(fixture_count_files(folder), 1);
-    free(longest);
 }
 
 /* Writing stops in the middle: nothing is left, the old file stands. */
@@ -88,7 +86,7 @@ static void assert_no_room(const char *where) {
     char path[512], text_path[512];
     snprintf(path, sizeof path, "%s/p.h5", where);
     snprintf(text_path, sizeof text_path, "%s/p.txt", where);
-    sp_packing old = fixture_packing(2, 2, 5);
+    FREED(sp_packing) old = fixture_packing(2, 2, 5);
     assert_fails(sp_packing_save_text(&p, text_path, &err), SP_EIO, "p.txt");
     assert_fails(sp_packing_save(&p, path, &err), SP_EIO, "p.h5");
     assert_int_equal(fixture_count_files(where), 0);
@@ -100,7 +98,6 @@ static void assert_no_room(const char *where) {
     unlink(path);
     sp_packing_free(&p);
     sp_packing_free(&q);
-    sp_packing_free(&old);
 }
 
 TEST_IN_FOLDER(file_size_limit) {

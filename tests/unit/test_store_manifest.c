@@ -72,12 +72,10 @@ static struct stat file_of(int64_t size, int64_t seconds) {
 /* All that is kept, by the text of a line: every bit of a number shows there. */
 static void assert_same(const sp_sample *a, const sp_sample *b) {
     const struct stat file = file_of(1, 2);
-    sp_text left = {0}, right = {0};
+    FREED(sp_text) left = {0}, right = {0};
     sp_manifest_put(&left, &file, a);
     sp_manifest_put(&right, &file, b);
     assert_string_equal(left.data, right.data);
-    sp_text_free(&left);
-    sp_text_free(&right);
 }
 
 TEST_BETWEEN(lines_keep_every_bit, setup, teardown) {
@@ -87,7 +85,7 @@ TEST_BETWEEN(lines_keep_every_bit, setup, teardown) {
     for (unsigned have = 0; have <= all; have += have < 8 ? 1 : 7) {
         const sp_sample s = example(have & all, have + 1);
         sp_sample back;
-        sp_text text = {0};
+        FREED(sp_text) text = {0};
         sp_manifest_put(&text, &file, &s);
         assert_false(text.failed);
         assert_true(text.size < 16384 && text.data[text.size - 1] == '\n');
@@ -97,7 +95,6 @@ TEST_BETWEEN(lines_keep_every_bit, setup, teardown) {
         assert_same_bits("statics", &s.statics.phi2, &back.statics.phi2, sizeof s.statics / 8);
         assert_int_equal(back.signal.points, s.signal.points);
         assert_same(&s, &back);
-        sp_text_free(&text);
     }
 }
 

@@ -56,8 +56,8 @@ static void round_trip(sp_packing p, sp_modes_range range) {
     made x = make(p, range);
     const char *path = fixture_path(folder, "m.h5");
     const int64_t n = x.m.dofs, rows = x.m.n - x.m.n_rattler;
-    sp_modes_file f = sp_modes_file_none();
-    double *e = malloc((size_t)(rows * n + 1) * sizeof *e);
+    FREED(sp_modes_file) f = sp_modes_file_none();
+    RELEASED double *e = malloc((size_t)(rows * n + 1) * sizeof *e);
     assert_ok(sp_modes_save(&x.m, &x.p, &x.net, &x.how, path, &err));
     assert_ok(sp_modes_file_read(path, &x.p, &f, &err));
     compare(&x, &f);
@@ -68,8 +68,6 @@ static void round_trip(sp_packing p, sp_modes_range range) {
         same(e, x.m.vectors + k * n, n);
     }
     assert_int_equal(fixture_count_files(folder), 1);
-    free(e);
-    sp_modes_file_free(&f);
     clear(&x);
 }
 
@@ -93,10 +91,10 @@ TEST_IN_FOLDER(without_walls) {
 
 TEST_IN_FOLDER(wrong_calls_are_refused) {
     made x = make(scattered_packing(2, 4, 0.5, 3), sp_modes_range_all());
-    sp_packing other = scattered_packing(2, 4, 0.5, 4);
-    sp_modes_file f = sp_modes_file_none();
+    FREED(sp_packing) other = scattered_packing(2, 4, 0.5, 4);
+    FREED(sp_modes_file) f = sp_modes_file_none();
     const char *path = fixture_path(folder, "m.h5");
-    double *e = malloc((size_t)x.m.dofs * sizeof *e);
+    RELEASED double *e = malloc((size_t)x.m.dofs * sizeof *e);
     assert_ok(sp_modes_save(&x.m, &x.p, &x.net, &x.how, path, &err));
     assert_fails(sp_modes_file_read(path, &other, &f, &err), SP_EFORMAT, "/modes/packing");
     assert_fails(sp_modes_file_read(fixture_path(folder, "no.h5"), &x.p, &f, &err), SP_EIO, "no.h5");
@@ -111,9 +109,6 @@ TEST_IN_FOLDER(wrong_calls_are_refused) {
     assert_fails(sp_modes_save(&x.m, &x.p, &x.net, &x.how, path, &err), SP_EINVAL, "vectors");
     x.m.vectors = vectors;
     assert_int_equal(fixture_count_files(folder), 1);
-    sp_modes_file_free(&f);
-    free(e);
-    sp_packing_free(&other);
     clear(&x);
 }
 
@@ -121,7 +116,7 @@ TEST_IN_FOLDER(wrong_calls_are_refused) {
 TEST_IN_FOLDER(full_disk) {
     made x = make(scattered_packing(2, 9, 0.5, 3), sp_modes_range_all());
     const char *path = fixture_path(folder, "m.h5");
-    sp_modes_file f = sp_modes_file_none();
+    FREED(sp_modes_file) f = sp_modes_file_none();
     struct rlimit before, less;
     assert_ok(sp_modes_save(&x.m, &x.p, &x.net, &x.how, path, &err));
     getrlimit(RLIMIT_FSIZE, &before);
@@ -139,7 +134,6 @@ TEST_IN_FOLDER(full_disk) {
     signal(SIGXFSZ, SIG_DFL);
     assert_ok(sp_modes_file_read(path, &x.p, &f, &err));
     compare(&x, &f);
-    sp_modes_file_free(&f);
     clear(&x);
 }
 
@@ -148,7 +142,7 @@ TEST(errors_of_vectors_are_bounds) {
     made x = make(scattered_packing(2, 6, 0.5, 5), sp_modes_range_all());
     const sp_modes_options o = {.vectors = true};
     const sp_modes_range range = sp_modes_range_lowest(25);
-    sp_modes part = sp_modes_none();
+    FREED(sp_modes) part = sp_modes_none();
     assert_ok(sp_modes_sparse(&x.net, &o, &range, &part, &err));
     int known = 0;
     for (int64_t k = part.n_rattler; k < part.n; k++) {
@@ -164,7 +158,6 @@ TEST(errors_of_vectors_are_bounds) {
         known += bound < 1e-6;
     }
     assert_true(known > 5);
-    sp_modes_free(&part);
     clear(&x);
 }
 
@@ -172,7 +165,7 @@ TEST_IN_FOLDER(lack_of_memory) {
     made x = make(scattered_packing(2, 4, 0.5, 3), sp_modes_range_all());
     const char *path = fixture_path(folder, "m.h5");
     for (long after = 0, done = 0; !done; after++) {
-        sp_modes_file f = sp_modes_file_none();
+        FREED(sp_modes_file) f = sp_modes_file_none();
         sp_error err = {0};
         sp_alloc_fail_after(after);
         sp_status status = sp_modes_save(&x.m, &x.p, &x.net, &x.how, path, &err);
@@ -181,7 +174,6 @@ TEST_IN_FOLDER(lack_of_memory) {
         sp_alloc_fail_after(-1);
         done = status == SP_OK;
         assert_true(done || (status == SP_ENOMEM && after < 100000));
-        sp_modes_file_free(&f);
     }
     clear(&x);
 }

@@ -19,9 +19,9 @@ TEST_IN_FOLDER(every_bit_is_kept) {
         for (int cell = -1; cell <= SP_CELL_BOX; cell++)
             for (int dim = 1; dim <= 3; dim++)
                 for (uint64_t seed = 0; seed < 12; seed++) {
-                    sp_packing p = cell < 0 ? fixture_packing(seed, dim, seed < 4 ? 1 + (int32_t)seed : 50)
-                                            : fixture_cell(seed, dim, 50, (sp_cell)cell),
-                               q = sp_packing_none();
+                    FREED(sp_packing) p = cell < 0 ? fixture_packing(seed, dim, seed < 4 ? 1 + (int32_t)seed : 50)
+                                                   : fixture_cell(seed, dim, 50, (sp_cell)cell),
+                                      q = sp_packing_none();
                     assert_ok(round_trip(form, &p, &q, &err));
                     assert_same_packing(&p, &q);
                     assert_true(isnan(q.seconds)); /* in no file */
@@ -30,20 +30,16 @@ TEST_IN_FOLDER(every_bit_is_kept) {
                         assert_true(p.steps == q.steps);
                         assert_true(p.scene ? q.scene && strcmp(p.scene, q.scene) == 0 : !q.scene);
                     }
-                    sp_packing_free(&p);
-                    sp_packing_free(&q);
                 }
 }
 
 /* Large enough for several chunks: 20000 grains in 3D. */
 TEST_IN_FOLDER(hdf5_keeps_large_packings) {
-    sp_packing p = fixture_packing(5, 3, 40000), q = sp_packing_none();
+    FREED(sp_packing) p = fixture_packing(5, 3, 40000), q = sp_packing_none();
     const char *path = fixture_path(folder, "p.h5");
     assert_ok(sp_packing_save(&p, path, &err));
     assert_ok(sp_packing_read(path, &q, &err));
     assert_same_packing(&p, &q);
-    sp_packing_free(&p);
-    sp_packing_free(&q);
 }
 
 static char *slurp(const char *path, size_t *size) {
@@ -70,17 +66,14 @@ static void assert_no_times(const char *path) {
 }
 
 TEST_IN_FOLDER(equal_packings_are_equal_files) {
-    sp_packing p = fixture_packing(3, 2, 30);
+    FREED(sp_packing) p = fixture_packing(3, 2, 30);
     size_t size_a, size_b;
     assert_ok(sp_packing_save(&p, fixture_path(folder, "a.h5"), &err));
     assert_no_times(fixture_path(folder, "a.h5"));
     assert_ok(sp_packing_save(&p, fixture_path(folder, "b.h5"), &err));
-    char *a = slurp(fixture_path(folder, "a.h5"), &size_a), *b = slurp(fixture_path(folder, "b.h5"), &size_b);
+    RELEASED char *a = slurp(fixture_path(folder, "a.h5"), &size_a), *b = slurp(fixture_path(folder, "b.h5"), &size_b);
     assert_int_equal(size_a, size_b);
     assert_memory_equal(a, b, size_a);
-    free(a);
-    free(b);
-    sp_packing_free(&p);
 }
 
 /* Ft as a scalar is exact both ways, although the rounded product is neither one to one nor onto: what is written is
@@ -103,7 +96,7 @@ TEST_IN_FOLDER(tangential_scalar_survives) {
     const char *path = fixture_path(folder, "t.txt");
     fixture_write(path, text);
     free(text);
-    sp_packing p;
+    FREED(sp_packing) p;
     assert_ok(sp_packing_read(path, &p, &err));
     assert_ok(sp_packing_save_text(&p, fixture_path(folder, "again.txt"), &err));
     size_t size;
@@ -121,7 +114,6 @@ TEST_IN_FOLDER(tangential_scalar_survives) {
     }
     assert_in_range(collisions, 1, CONTACTS / 2); /* the case does occur */
     free(again);
-    sp_packing_free(&p);
 }
 
 /* ---- reference packings ---------------------------------------------------------------------------------------- */
@@ -171,7 +163,7 @@ static sp_status read_text(const char *text, sp_packing *p, sp_error *err) {
 }
 
 TEST_IN_FOLDER(reversed_contacts_turn_round) {
-    sp_packing p;
+    FREED(sp_packing) p;
     assert_ok(read_text("# a comment\n\n" HEADER GRAINS CONTACTS, &p, &err));
     const sp_contact *c = &p.contacts[1];
     assert_int_equal(c->i, 1);
@@ -181,15 +173,13 @@ TEST_IN_FOLDER(reversed_contacts_turn_round) {
     assert_close(c->ft[0], -1e-4 * 0.8, 1e-19);
     assert_close(c->ft[1], 1e-4 * 0.6, 1e-19);
     assert_true(p.contacts[2].j == SP_BOTTOM && p.seed == 0);
-    sp_packing_free(&p);
 }
 
 TEST_IN_FOLDER(positions_are_wrapped) {
-    sp_packing p;
+    FREED(sp_packing) p;
     assert_ok(
         read_text("N 1 Lx 10 Ly 4 p 1e-4 mu 0.5 nu 0 contacts 0 bottom 0 top 0 seed 7\r\n-0.5 1 0.5 0\r\n", &p, &err));
     assert_true(p.x[0] == 9.5 && p.seed == 7);
-    sp_packing_free(&p);
 }
 
 #define PERIODIC "N 2 Lx 10 Ly 4 p 1e-4 mu 0.5 nu 0.1 contacts 1 walls 0 cell periodic xy 1\n"
@@ -307,12 +297,11 @@ TEST_IN_FOLDER(lack_of_memory_is_an_error) {
 }
 
 TEST_IN_FOLDER(wrong_packings_are_not_saved) {
-    sp_packing p = fixture_packing(9, 2, 20);
+    FREED(sp_packing) p = fixture_packing(9, 2, 20);
     p.r[3] = NAN;
     assert_fails(sp_packing_save(&p, fixture_path(folder, "p.h5"), &err), SP_EFORMAT, "3");
     assert_fails(sp_packing_save_text(&p, fixture_path(folder, "p.txt"), &err), SP_EFORMAT, "3");
     assert_int_equal(fixture_count_files(folder), 0);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

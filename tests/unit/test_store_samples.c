@@ -49,7 +49,7 @@ TEST_IN_FOLDER(saves_and_loads) {
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
-    sp_scene scene = sp_scene_default();
+    FREED(sp_scene) scene = sp_scene_default();
     sp_packing p = fixture_packing(1, 2, 20), q = sp_packing_none();
     sp_sample s = example(SP_WANT_CTOF | SP_WANT_STATICS, 1), back;
     bool found = true;
@@ -90,7 +90,6 @@ TEST_IN_FOLDER(saves_and_loads) {
     sp_packing_free(&q);
     sp_packing_free(&p);
     assert_int_equal(fixture_count_files(folder), 1);
-    sp_scene_free(&scene);
     sp_store_close(store);
 }
 
@@ -100,7 +99,7 @@ TEST_IN_FOLDER(newer_parts_are_kept) {
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
-    sp_scene scene = sp_scene_default();
+    FREED(sp_scene) scene = sp_scene_default();
     sp_packing p = fixture_packing(1, 3, 20), q = sp_packing_none();
     uint64_t random = 77;
     sp_sample s = example(SP_WANT_CTOF | SP_WANT_MODULI, 5), back;
@@ -173,7 +172,6 @@ TEST_IN_FOLDER(newer_parts_are_kept) {
     assert_ok(sink.save(sink.user, NULL, &s, NULL, NULL, &err));
     assert_fails(sp_store_read(store, s.name, NULL, &back, NULL, &err), SP_EIO, "");
     sp_packing_free(&p);
-    sp_scene_free(&scene);
     sp_store_close(store);
 }
 
@@ -183,8 +181,8 @@ TEST_IN_FOLDER(frequencies_stay) {
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
-    sp_scene scene = sp_scene_default();
-    sp_packing p = fixture_packing(1, 2, 20);
+    FREED(sp_scene) scene = sp_scene_default();
+    FREED(sp_packing) p = fixture_packing(1, 2, 20);
     sp_sample s = example(SP_WANT_SPECTRUM, 4), back;
     double omega[3] = {0, 0.5, 1.5}, fresh[6] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
     sp_sample_arrays arrays = {.modes = 3, .omega = omega}, read = sp_sample_arrays_none();
@@ -217,8 +215,6 @@ TEST_IN_FOLDER(frequencies_stay) {
     assert_true(fixture_has(&sink, s.name, SP_WANT_STATICS));
     assert_ok(sp_store_read(store, s.name, NULL, &back, &read, &err));
     assert_true(read.modes == 0 && back.have == SP_WANT_STATICS);
-    sp_packing_free(&p);
-    sp_scene_free(&scene);
     sp_store_close(store);
 }
 
@@ -238,12 +234,11 @@ TEST_IN_FOLDER(failures_are_kept) {
     assert_same_sample(&s, &all[0]);
     sp_free(all);
     /* made after all: the failure is forgotten */
-    sp_packing p = fixture_packing(1, 2, 20);
+    FREED(sp_packing) p = fixture_packing(1, 2, 20);
     sp_sample good = example(SP_WANT_CTOF, 3);
     assert_ok(sink.save(sink.user, NULL, &good, &p, NULL, &err));
     assert_int_equal(fixture_count_files(folder), 1);
     assert_false(fixture_has(&sink, s.name, SP_WANT_MODULI));
-    sp_packing_free(&p);
     sp_store_close(store);
 }
 
@@ -291,7 +286,7 @@ TEST_IN_FOLDER(wrong_saves) {
     sp_store *store;
     assert_ok(sp_store_open(folder, true, &store, &err));
     sp_study_sink sink = sp_store_sink(store);
-    sp_packing p = fixture_packing(1, 2, 20);
+    FREED(sp_packing) p = fixture_packing(1, 2, 20);
     sp_sample s = example(SP_WANT_CTOF, 3);
     assert_fails(sink.save(sink.user, NULL, &s, NULL, NULL, &err), SP_EINVAL, "sample");
     snprintf(s.name, sizeof s.name, "../../../etc/passwd");
@@ -301,7 +296,6 @@ TEST_IN_FOLDER(wrong_saves) {
     p.r[0] = -1;
     assert_fails(sink.save(sink.user, NULL, &s, &p, NULL, &err), SP_EFORMAT, "0");
     assert_int_equal(fixture_count_files(folder), 0);
-    sp_packing_free(&p);
     sp_store_close(store);
 }
 
@@ -373,12 +367,10 @@ static void *save_and_read(void *user) {
     char path[600];
     snprintf(path, sizeof path, "%s/%llu.h5", folder, (unsigned long long)id);
     for (uint64_t round = 0; round < 10; round++) {
-        sp_packing p = fixture_packing(10 * id + round, 2, 20), q = sp_packing_none();
+        FREED(sp_packing) p = fixture_packing(10 * id + round, 2, 20), q = sp_packing_none();
         sp_error err = {0};
         bool good = sp_packing_save(&p, path, &err) == SP_OK && sp_packing_read(path, &q, &err) == SP_OK &&
                     q.x[0] == p.x[0] && sp_packing_read("/dev/null", &q, &err) == SP_EFORMAT;
-        sp_packing_free(&p);
-        sp_packing_free(&q);
         if (!good)
             return user;
     }
@@ -400,7 +392,7 @@ TEST_IN_FOLDER(threads_save_together) {
 TEST_IN_FOLDER(lack_of_memory) {
     sp_store *store = NULL;
     sp_packing p = fixture_packing(1, 2, 20), q;
-    sp_scene scene = sp_scene_default();
+    FREED(sp_scene) scene = sp_scene_default();
     sp_sample s = example(SP_WANT_CTOF | SP_WANT_SPECTRUM, 3), back, *all;
     double omega[3] = {0.25, 0.5, 1}, t[2] = {0, 1}, f[2] = {0, 1};
     const sp_sample_arrays arrays = {.signal = {.n = 2, .t = t, .f = f}, .modes = 3, .omega = omega};
@@ -442,7 +434,6 @@ TEST_IN_FOLDER(lack_of_memory) {
         }
     }
     sp_packing_free(&p);
-    sp_scene_free(&scene);
     sp_store_close(store);
 }
 

@@ -24,7 +24,7 @@ static void assert_text(const sp_table *t, sp_table_format format, const char *e
 }
 
 TEST_IN_FOLDER(texts) {
-    sp_table t = example();
+    FREED(sp_table) t = example();
     assert_text(&t, SP_TSV,
                 "# pressure = 0.0001\n# units: p [E*] c_l [sqrt(E* / rho)]\nfile\tp\tn\tc_l\n"
                 "a b.h5\t0.1\t-7\tnan\n"
@@ -41,7 +41,6 @@ TEST_IN_FOLDER(texts) {
                 "[\"a b.h5\",0.1,-7,null],\n"
                 "[\"#tab\\u0009line\\u000aback\\\\slash,\\\"q\\\"\",0.3333333333333333,9223372036854775807,null],\n"
                 "[\"\xc3\xa9\\ufffd\",4.94065645841247e-324,0,1.7976931348623157e+308]]}\n");
-    sp_table_free(&t);
     sp_table empty = sp_table_none();
     assert_text(&empty, SP_JSON, "{\"comments\":[],\n\"columns\":[],\n\"units\":[],\n\"rows\":[]}\n");
 }
@@ -94,7 +93,7 @@ TEST_IN_FOLDER(aligned) {
                                 "known    3.14159265358979   1e-12       3\n"
                                 "none   0.3333333333333333     nan       4\n"
                                 "not                   nan       0       5\n"}};
-    sp_table t = sp_table_none();
+    FREED(sp_table) t = sp_table_none();
     assert_ok(sp_table_add_column(&t, "file", "", SP_COLUMN_TEXT, &err));
     assert_ok(sp_table_add_column(&t, "c", "m/s", SP_COLUMN_NUMBER, &err));
     assert_ok(sp_table_add_column(&t, "c_err", "", SP_COLUMN_NUMBER, &err));
@@ -107,11 +106,10 @@ TEST_IN_FOLDER(aligned) {
         assert_string_equal(text, each[k].text);
         sp_free(text);
     }
-    sp_table_free(&t);
 }
 
 TEST_IN_FOLDER(tsv_round_trip) {
-    sp_table t = example(), back = sp_table_none();
+    FREED(sp_table) t = example(), back = sp_table_none();
     char *text = sp_table_text(&t, SP_TSV);
     const char *path = fixture_path(folder, "t.tsv");
     assert_ok(sp_text_save(path, text, strlen(text), &err));
@@ -129,8 +127,6 @@ TEST_IN_FOLDER(tsv_round_trip) {
         }
     }
     sp_free(text);
-    sp_table_free(&t);
-    sp_table_free(&back);
 }
 
 static sp_status read_text(const char *text, sp_table *t, sp_error *err) {
@@ -168,11 +164,10 @@ TEST_IN_FOLDER(lenient_reading) {
 }
 
 TEST_IN_FOLDER(reference_signal_reads) {
-    sp_table t;
+    FREED(sp_table) t;
     assert_ok(sp_table_read(SOURCE_DIR "/packings/reference/signal_N200_p1e-4.txt", &t, &err));
     assert_true(t.columns == 3 && t.rows > 100 && t.comments >= 3);
     assert_true(sp_table_number(&t, 0, 0) == 0);
-    sp_table_free(&t);
 }
 
 TEST_IN_FOLDER(refusals) {
@@ -189,7 +184,7 @@ TEST_IN_FOLDER(refusals) {
     name[63] = '\0';
     assert_fails(read_text(name, &t, &err), SP_EFORMAT, "1");
     const size_t length = 70000;
-    char *line = malloc(length + 1);
+    RELEASED char *line = malloc(length + 1);
     memset(line, '1', length);
     line[length] = '\0';
     assert_fails(read_text(line, &t, &err), SP_EFORMAT, "t.tsv:1 70000");
@@ -201,7 +196,6 @@ TEST_IN_FOLDER(refusals) {
         memcpy(line + 2 * k, "#\n", 2);
     line[20000] = '\0';
     assert_fails(read_text(line, &t, &err), SP_EFORMAT, "t.tsv:4097 4096 lines");
-    free(line);
 }
 
 /* Arbitrary bytes: an error or a table, nothing else. */
@@ -225,7 +219,7 @@ TEST_IN_FOLDER(noise_is_survived) {
 }
 
 TEST_IN_FOLDER(lack_of_memory) {
-    sp_table t = example(), back;
+    FREED(sp_table) t = example(), back;
     char *text = sp_table_text(&t, SP_TSV);
     const char *path = fixture_path(folder, "t.tsv");
     assert_ok(sp_text_save(path, text, strlen(text), &err));
@@ -250,23 +244,19 @@ TEST_IN_FOLDER(lack_of_memory) {
         sp_alloc_fail_after(-1);
         assert_true(status == SP_OK || status == SP_ENOMEM);
     }
-    sp_table_free(&back);
-    sp_table_free(&t);
 }
 
 /* The program around us may have set a locale with a decimal comma. */
 TEST_IN_FOLDER(decimal_comma) {
     if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "fr_FR.UTF-8"))
         skip(); /* none is installed */
-    sp_table t = example(), back;
+    FREED(sp_table) t = example(), back;
     char *text = sp_table_text(&t, SP_TSV);
     assert_non_null(strstr(text, "0.1"));
     assert_ok(read_text("1.5 2.5\n", &back, &err));
     assert_true(sp_table_number(&back, 0, 0) == 1.5);
     setlocale(LC_ALL, "C");
     sp_free(text);
-    sp_table_free(&t);
-    sp_table_free(&back);
 }
 
 /* As many columns as one likes (up to what a file may have), rows of numbers at once. */
@@ -302,7 +292,7 @@ TEST_IN_FOLDER(many_columns) {
 
 /* Each setter writes its comment line, and reading the file finds the same value. */
 TEST_IN_FOLDER(metadata) {
-    sp_table t = example(), back;
+    FREED(sp_table) t = example(), back;
     double value = 0;
     assert_ok(sp_table_set_number(&t, "third", 1.0 / 3, 0, &err));
     assert_ok(sp_table_set_number(&t, "rounded", 1.0 / 3, 3, &err));
@@ -329,13 +319,11 @@ TEST_IN_FOLDER(metadata) {
     assert_string_equal(sp_table_get_text(&back, "method"), "event driven");
     assert_null(sp_table_get_text(&back, "absent"));
     sp_free(text);
-    sp_table_free(&t);
-    sp_table_free(&back);
 }
 
 /* Lines that people or earlier versions wrote. */
 TEST_IN_FOLDER(metadata_of_lines) {
-    sp_table t;
+    FREED(sp_table) t;
     double value = 0;
     assert_ok(read_text("# pressure = 0.25, grains = 1024, friction = 0.5\n"
                         "# packing.seed=7 \n"
@@ -352,7 +340,6 @@ TEST_IN_FOLDER(metadata_of_lines) {
     assert_true(sp_table_get_number(&t, "gamma(p=1e-06, width=24)", &value) && value == 0.125);
     assert_string_equal(sp_table_get_text(&t, "gamma(p=1e-06, width=24)"), "0.125, error 0.01");
     assert_true(sp_table_get_number(&t, "interval_level", &value) && value == 0.95);
-    sp_table_free(&t);
 }
 
 RUN_TESTS(NULL, NULL)

@@ -8,7 +8,7 @@ enum { SAMPLES = 4 };
 /* A store of chains, which are made in no time and hold to rounding; with the results that `wants' names. */
 static sp_store *chains_with(const char *wants, char name[SAMPLES][SP_NAME_MAX]) {
     sp_store *store;
-    sp_scene study;
+    FREED(sp_scene) study;
     char text[200];
     snprintf(text, sizeof text,
              "packing = { kind = \"chain\"; grains = 9; friction = 0; }; study = { samples = 4; want = [%s]; };",
@@ -23,7 +23,6 @@ static sp_store *chains_with(const char *wants, char name[SAMPLES][SP_NAME_MAX])
         assert_ok(sp_study_scene(&study, k, &one, &err));
         sp_sample_name(&one, name[k]);
     }
-    sp_scene_free(&study);
     return store;
 }
 
@@ -66,7 +65,7 @@ TEST_IN_FOLDER(verdicts) {
 
     /* another sample's packing: the results say nothing of it; balance that it does not have */
     sp_study_sink sink = sp_store_sink(store);
-    sp_packing arbitrary = fixture_packing(1, 2, 20), chain = sp_packing_none();
+    FREED(sp_packing) arbitrary = fixture_packing(1, 2, 20), chain = sp_packing_none();
     sp_sample sample;
     assert_ok(sp_store_read(store, name[0], &chain, &sample, NULL, &err));
     assert_ok(sink.save(sink.user, NULL, &sample, &arbitrary, NULL, &err));
@@ -84,8 +83,6 @@ TEST_IN_FOLDER(verdicts) {
     assert_ok(sink.save(sink.user, NULL, &sample, &chain, NULL, &err));
     n = verify(store, 1, (const char(*)[SP_NAME_MAX])name);
     assert_true(test_names(n.last, "t10 nan"));
-    sp_packing_free(&chain);
-    sp_packing_free(&arbitrary);
 
     /* another file's content: aside, under the first name that is free */
     snprintf(path, sizeof path, "%s/%s.h5", folder, name[1]);

@@ -24,7 +24,7 @@ static void components(const sp_moduli *m, double c[9]) {
  * From one strain to a third of it the second power is 3e-3 of the first at most, and the residual 1e-9 of the stress.
  */
 static void assert_first_power(const sp_packing *p, bool turning, double strain) {
-    sp_network net = network_of(p, turning);
+    FREED(sp_network) net = network_of(p, turning);
     double linear[9], off[2][9];
     sp_moduli m;
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
@@ -44,29 +44,24 @@ static void assert_first_power(const sp_packing *p, bool turning, double strain)
             assert_close(log(off[0][q] / off[1][q]) / log(3), 1, 0.05);
         }
     assert_true(off[0][2] > 1e-7 * linear[2]); /* so that there is something to see */
-    sp_network_free(&net);
 }
 
 TEST(test_straight) {
-    sp_packing one = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
+    FREED(sp_packing) one = reference_packing(REFERENCE("packing_N200_p1e-4.txt"));
     one.friction = 1e9; /* no contact slides */
     assert_first_power(&one, false, 1e-6);
-    sp_packing_free(&one);
     sp_pack_spec spec = sp_pack_spec_default();
     spec.grains = 100;
     spec.width = 9;
     spec.pressure = 1e-6;
     spec.tolerance = 1e-10;
-    sp_packing two = make_packing(&spec);
+    FREED(sp_packing) two = make_packing(&spec);
     two.friction = 1e9;
     assert_first_power(&two, false, 1e-8);
-    sp_packing_free(&two);
-    sp_packing space = scattered_packing(3, 4, 1e9, 1);
+    FREED(sp_packing) space = scattered_packing(3, 4, 1e9, 1);
     assert_first_power(&space, false, 1e-6);
-    sp_packing_free(&space);
-    sp_packing chain = chain_packing(20, 1e-4);
+    FREED(sp_packing) chain = chain_packing(20, 1e-4);
     assert_first_power(&chain, false, 1e-6);
-    sp_packing_free(&chain);
 }
 
 /* Without friction the springs with prestress are all there is to first order, the turning of the normals included. */
@@ -76,26 +71,23 @@ TEST(test_turning) {
     spec.width = 9;
     spec.friction = 0;
     spec.tolerance = 1e-10;
-    sp_packing p = make_packing(&spec);
+    FREED(sp_packing) p = make_packing(&spec);
     assert_first_power(&p, true, 1e-6);
     /* and without prestress they are not */
-    sp_network net = network_of(&p, false), stiff = network_of(&p, true);
+    FREED(sp_network) net = network_of(&p, false), stiff = network_of(&p, true);
     sp_moduli m, prestressed;
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
     assert_ok(sp_moduli_make(&stiff, 0.5, &prestressed, &err));
     const sp_finite_strain s = strained(&p, &net, 1e-8, true);
     assert_true(fabs(s.moduli.c22 - prestressed.c22) < 0.01 * fabs(m.c22 - prestressed.c22));
     assert_true(isnan(s.moduli.c33));
-    sp_network_free(&stiff);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* With friction too, tangential forces that turn with their contacts included. Larger strains make contacts slide, and
  * the packing softer to shear. */
 TEST(test_sliding) {
-    sp_packing p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
-    sp_network net = network_of(&p, true);
+    FREED(sp_packing) p = reference_packing(REFERENCE("packing_N600_p1e-4.txt"));
+    FREED(sp_network) net = network_of(&p, true);
     sp_moduli m;
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
     const sp_finite_strain little = strained(&p, &net, 1e-9, true), much = strained(&p, &net, 5e-5, true);
@@ -105,8 +97,6 @@ TEST(test_sliding) {
     assert_true(much.moduli.c33 < little.moduli.c33);
     const sp_finite_strain other = strained(&p, &net, -5e-5, true); /* extension slides others */
     assert_true(other.sliding > 0 && other.moduli.c22 != much.moduli.c22);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* In space, where tangential forces also turn about the normal: all nine moduli, and first order in the strain. */
@@ -119,8 +109,8 @@ TEST(test_space) {
     spec.pressure = 1e-3;
     spec.friction = 0.4;
     spec.seed = 2;
-    sp_packing p = make_packing(&spec);
-    sp_network net = network_of(&p, true);
+    FREED(sp_packing) p = make_packing(&spec);
+    FREED(sp_network) net = network_of(&p, true);
     sp_moduli m;
     assert_true(sp_network_skew(&net) > 0);
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
@@ -136,8 +126,6 @@ TEST(test_space) {
     printf("finite strain against springs: %.2g, at a tenth of it %.2g\n", off[0], off[1]);
     assert_true(off[0] < 1e-4 && off[1] < 0.2 * off[0]);
     assert_true(m.error11 < 1e-4 * m.c11 && m.error44 < 2e-3 * m.c44 && m.residual < 1e-8);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 static sp_packing small_spheres(int32_t grains, double friction, uint64_t seed) {
@@ -150,8 +138,8 @@ static sp_packing small_spheres(int32_t grains, double friction, uint64_t seed) 
  * balance drives them by many turns a strain, to which the exact solution of J owes 3.5e-3 of C12 here; the springs'
  * moduli are those of the same packing brought to rest by other means, and their errors cover what spins may do. */
 TEST(test_spins) {
-    sp_packing p = small_spheres(90, 1, 32);
-    sp_network net = network_of(&p, true);
+    FREED(sp_packing) p = small_spheres(90, 1, 32);
+    FREED(sp_network) net = network_of(&p, true);
     sp_moduli m;
     double springs[9], small[9], worst = 0;
     assert_ok(sp_moduli_make(&net, 0.5, &m, &err));
@@ -169,8 +157,6 @@ TEST(test_spins) {
     }
     printf("springs against finite strain where spheres spin: %.2g, C12 %.10g, its error %.2g\n", worst, m.c12,
            m.error12 / m.c12);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* Spheres with friction, some contacts of which are at Coulomb's limit at rest: they slide or stick, with a force that
@@ -191,8 +177,8 @@ TEST(test_spheres) {
         spec.poisson = seed % 2 == 0 ? 0.3 : 0;
         spec.pressure = seed % 4 < 2 ? 1e-4 : 1e-5;
         spec.seed = seed;
-        sp_packing p = make_packing(&spec);
-        sp_network net = network_of(&p, false);
+        FREED(sp_packing) p = make_packing(&spec);
+        FREED(sp_network) net = network_of(&p, false);
         sp_moduli stick;
         double small[9], smaller[9], springs[9];
         assert_ok(sp_moduli_make(&net, 0.5, &stick, &err));
@@ -206,8 +192,6 @@ TEST(test_spheres) {
         }
         print_message("seed %d: %d contacts slide\n", (int)seed, one.sliding);
         sliding += one.sliding;
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
     print_message("%d contacts slide\n", sliding);
     assert_true(sliding > 8);
@@ -215,16 +199,14 @@ TEST(test_spheres) {
 
 /* Where contacts begin to slide the packing yields under one strain, says that a smaller one may do, and so it is. */
 TEST(test_advice) {
-    sp_packing p = small_spheres(100, 0.5, 22);
-    sp_network net = network_of(&p, false);
+    FREED(sp_packing) p = small_spheres(100, 0.5, 22);
+    FREED(sp_network) net = network_of(&p, false);
     sp_finite_strain_options o = sp_finite_strain_options_default();
     sp_finite_strain out;
     o.strain = 2e-4;
     assert_fails(sp_moduli_finite_strain(&p, &net, 0.5, &o, &out, &err), SP_EREFUSED, "strain 0.0002");
     const sp_finite_strain little = strained(&p, &net, 1e-5, true);
     assert_true(little.lost == 0 && little.made == 0 && little.sliding > 0);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_refusals) {

@@ -33,7 +33,7 @@ TEST(hash_of_known_texts) {
 }
 
 TEST(every_combination_has_its_first_seed_first) {
-    sp_scene study = parse(chains);
+    FREED(sp_scene) study = parse(chains);
     assert_int_equal(sp_study_count(&study), 18);
     const double p[] = {1e-6, 1e-4};
     const int grains[] = {10, 20, 30};
@@ -54,7 +54,6 @@ TEST(every_combination_has_its_first_seed_first) {
     sp_scene one;
     assert_fails(sp_study_scene(&study, 18, &one, &err), SP_EINVAL, "18");
     assert_fails(sp_study_scene(&study, -1, &one, &err), SP_EINVAL, "-1");
-    sp_scene_free(&study);
 }
 
 TEST(a_name_says_what_decides_the_numbers_and_no_more) {
@@ -64,20 +63,18 @@ TEST(a_name_says_what_decides_the_numbers_and_no_more) {
         "packing.damping=0.7",    "signal.source=displacement", "packing.time_step=0.0999", "packing.friction=0.1"};
     static const char *const silent[] = {"signal.until=100",  "signal.points=77",  "signal.tolerance=1e-9",
                                          "study.samples=100", "study.want=moduli", "packing.grains=20"};
-    sp_scene study = parse(chains);
+    FREED(sp_scene) study = parse(chains);
     char own[SP_NAME_MAX], other[SP_NAME_MAX];
     sp_sample_name(&study, own);
-    sp_scene_free(&study);
     for (int silently = 0; silently < 2; silently++) {
         size_t count = silently ? sizeof silent / sizeof *silent : sizeof deciding / sizeof *deciding;
         for (size_t k = 0; k < count; k++) {
             char set[64];
             snprintf(set, sizeof set, "%s", silently ? silent[k] : deciding[k]);
             char *sets[] = {set};
-            sp_scene changed;
+            FREED(sp_scene) changed;
             assert_ok(sp_scene_parse(chains, "test", 1, sets, &changed, &err));
             sp_sample_name(&changed, other);
-            sp_scene_free(&changed);
             if ((strcmp(own, other) == 0) != silently)
                 fail_msg("%s: names %s and %s", set, own, other);
         }
@@ -232,7 +229,7 @@ static sp_table table_of(const char *name, const shelf *s) {
 /* ---- running ----------------------------------------------------------------------------------------------------- */
 
 TEST(threads_and_shards_change_nothing) {
-    sp_scene scene = parse(chains);
+    FREED(sp_scene) scene = parse(chains);
     shelf *one = shelf_new(), *many = shelf_new(), *parts = shelf_new();
     sp_study_progress done = run(&scene, one, 1, 1, 1);
     assert_int_equal(done.total, 18);
@@ -247,12 +244,9 @@ TEST(threads_and_shards_change_nothing) {
     assert_int_equal(parts->n, 18);
     static const char *const names[] = {"ctof", "ensemble"};
     for (int k = 0; k < 2; k++) {
-        sp_table a = table_of(names[k], one), b = table_of(names[k], many), c = table_of(names[k], parts);
+        FREED(sp_table) a = table_of(names[k], one), b = table_of(names[k], many), c = table_of(names[k], parts);
         assert_same_table(&a, &b);
         assert_same_table(&a, &c);
-        sp_table_free(&a);
-        sp_table_free(&b);
-        sp_table_free(&c);
     }
     /* first seeds first */
     for (int k = 0; k < 18; k++)
@@ -260,11 +254,10 @@ TEST(threads_and_shards_change_nothing) {
     shelf_free(one);
     shelf_free(many);
     shelf_free(parts);
-    sp_scene_free(&scene);
 }
 
 TEST(only_what_is_missing_is_made) {
-    sp_scene scene = parse(chains);
+    FREED(sp_scene) scene = parse(chains);
     shelf *s = shelf_new();
     scene.samples = 1;
     run(&scene, s, 1, 1, 1);
@@ -299,7 +292,6 @@ TEST(only_what_is_missing_is_made) {
     for (int k = 0; k < s->n; k++)
         assert_true(s->packing[k].seconds != 12345);
     shelf_free(s);
-    sp_scene_free(&scene);
 }
 
 typedef struct guard {
@@ -342,8 +334,8 @@ TEST(stopping_keeps_what_is_finished) {
 }
 
 TEST(a_failed_packing_is_recorded) {
-    sp_scene scene = parse("packing = { grains = 30; width = 6; max_steps = 20; };"
-                           "study = { samples = 2; want = [\"ctof\", \"statics\"]; };");
+    FREED(sp_scene) scene = parse("packing = { grains = 30; width = 6; max_steps = 20; };"
+                                  "study = { samples = 2; want = [\"ctof\", \"statics\"]; };");
     shelf *s = shelf_new();
     sp_study_progress done = run(&scene, s, 1, 1, 1);
     assert_int_equal(done.failed, 2);
@@ -356,19 +348,17 @@ TEST(a_failed_packing_is_recorded) {
     }
     done = run(&scene, s, 1, 1, 1); /* it would fail again */
     assert_int_equal(done.computed, 0);
-    sp_table t = table_of("ctof", s);
+    FREED(sp_table) t = table_of("ctof", s);
     assert_int_equal(t.rows, 1);
     assert_true(isnan(sp_table_number(&t, 0, 2)));
     assert_string_equal(sp_table_get_text(&t, "failed"), "2");
-    sp_table_free(&t);
     shelf_free(s);
-    sp_scene_free(&scene);
 }
 
 TEST(a_failed_part_leaves_the_others) {
     /* no contact carries ten times the load: no network, hence no front */
-    sp_scene scene = parse("packing = { kind = \"chain\"; grains = 20; friction = 0; };"
-                           "study = { want = [\"ctof\", \"statics\"]; };");
+    FREED(sp_scene) scene = parse("packing = { kind = \"chain\"; grains = 20; friction = 0; };"
+                                  "study = { want = [\"ctof\", \"statics\"]; };");
     scene.network.threshold = 10;
     shelf *s = shelf_new();
     assert_int_equal(run(&scene, s, 1, 1, 1).failed, 1);
@@ -383,13 +373,12 @@ TEST(a_failed_part_leaves_the_others) {
     scene.want = SP_WANT_STATICS;
     assert_int_equal(run(&scene, s, 1, 1, 1).computed, 0);
     shelf_free(s);
-    sp_scene_free(&scene);
 }
 
 /* What could not be made of a signal says nothing of a signal with other keys. */
 TEST(a_lacking_signal_is_one_of_its_keys) {
-    sp_scene scene = parse("packing = { kind = \"chain\"; grains = 20; friction = 0; };"
-                           "study = { want = [\"ctof\", \"signal\"]; };");
+    FREED(sp_scene) scene = parse("packing = { kind = \"chain\"; grains = 20; friction = 0; };"
+                                  "study = { want = [\"ctof\", \"signal\"]; };");
     scene.network.threshold = 10;
     shelf *s = shelf_new();
     assert_int_equal(run(&scene, s, 1, 1, 1).failed, 1);
@@ -400,7 +389,6 @@ TEST(a_lacking_signal_is_one_of_its_keys) {
     scene.want = SP_WANT_CTOF;
     assert_int_equal(run(&scene, s, 1, 1, 1).computed, 0);
     shelf_free(s);
-    sp_scene_free(&scene);
 }
 
 /* ---- several processes ------------------------------------------------------------------------------------------- */
@@ -412,7 +400,7 @@ static int64_t every_third(void *user) {
 }
 
 TEST(numbers_given_from_outside) {
-    sp_scene scene = parse(chains);
+    FREED(sp_scene) scene = parse(chains);
     shelf *whole = shelf_new(), *s = shelf_new();
     run(&scene, whole, 2, 1, 1);
     double cost = 0;
@@ -430,13 +418,10 @@ TEST(numbers_given_from_outside) {
         if (first == -1)
             assert_true(fabs(cost - done.cost) < 1e-12 * cost);
     }
-    sp_table a = table_of("ensemble", whole), b = table_of("ensemble", s);
+    FREED(sp_table) a = table_of("ensemble", whole), b = table_of("ensemble", s);
     assert_same_table(&a, &b);
-    sp_table_free(&a);
-    sp_table_free(&b);
     shelf_free(whole);
     shelf_free(s);
-    sp_scene_free(&scene);
 }
 
 /* Another process that has the first two samples: one for a while, then it is done; the other until it is gone. */
@@ -492,7 +477,7 @@ static sp_status neighbour_save(void *user, const sp_scene *scene, const sp_samp
 }
 
 TEST(samples_of_a_neighbour_come_last) {
-    sp_scene scene = parse(chains);
+    FREED(sp_scene) scene = parse(chains);
     neighbour n = {.own = shelf_new(), .theirs = NULL};
     shelf *whole = shelf_new();
     run(&scene, whole, 1, 1, 1);
@@ -510,17 +495,14 @@ TEST(samples_of_a_neighbour_come_last) {
     assert_int_equal(done.computed, 17);
     assert_int_equal(n.released, 0);
     assert_true(n.asked[0] == 4 && n.asked[1] == 4);
-    sp_table a = table_of("ensemble", whole), b = table_of("ensemble", n.own);
+    FREED(sp_table) a = table_of("ensemble", whole), b = table_of("ensemble", n.own);
     assert_same_table(&a, &b);
-    sp_table_free(&a);
-    sp_table_free(&b);
     shelf_free(n.own);
     shelf_free(whole);
-    sp_scene_free(&scene);
 }
 
 TEST(a_sink_that_fails_ends_the_study) {
-    sp_scene scene = parse(chains);
+    FREED(sp_scene) scene = parse(chains);
     shelf *s = shelf_new();
     s->fail_at = 5;
     sp_study_sink sink = sink_of(s);
@@ -530,11 +512,10 @@ TEST(a_sink_that_fails_ends_the_study) {
     assert_int_equal(done.done, 4);
     assert_int_equal(s->saves, 5);
     shelf_free(s);
-    sp_scene_free(&scene);
 }
 
 TEST(wrong_runs) {
-    sp_scene scene = parse(chains);
+    FREED(sp_scene) scene = parse(chains);
     shelf *s = shelf_new();
     sp_study_sink sink = sink_of(s), none = {0};
     const sp_study_options bad[] = {{.jobs = 0, .shard = 1, .shards = 1},
@@ -557,20 +538,19 @@ TEST(wrong_runs) {
     assert_ok(sp_study_run(&scene, &o, &sink, NULL, NULL, NULL, &err));
     assert_int_equal(s->saves, 0);
     shelf_free(s);
-    sp_scene_free(&scene);
 }
 
 /* ---- one sample -------------------------------------------------------------------------------------------------- */
 
 /* Every allocation that a sample needs may fail: a reason each time, nothing leaks, nothing is half there. */
 TEST(a_sample_without_memory) {
-    sp_scene scene = parse(chains);
+    FREED(sp_scene) scene = parse(chains);
     sp_status status = SP_ENOMEM;
     int64_t failures = 0;
     for (int64_t k = 0; status != SP_OK; k++) {
-        sp_packing packing = sp_packing_none();
+        FREED(sp_packing) packing = sp_packing_none();
         sp_sample sample = {0};
-        sp_sample_arrays arrays = sp_sample_arrays_none();
+        FREED(sp_sample_arrays) arrays = sp_sample_arrays_none();
         sp_error err = {0};
         sp_alloc_fail_after(k);
         status =
@@ -582,21 +562,18 @@ TEST(a_sample_without_memory) {
             failures++;
         }
         assert_int_equal(arrays.modes > 0, !!(sample.have & SP_WANT_SPECTRUM));
-        sp_packing_free(&packing);
-        sp_sample_arrays_free(&arrays);
         assert_true(k < 1000);
     }
     assert_true(failures > 10);
-    sp_scene_free(&scene);
 }
 
 /* A lack of memory goes before a part that is refused: what is missing then is no property of the sample. */
 TEST(a_refused_part_without_memory) {
-    sp_scene scene = parse(chains);
+    FREED(sp_scene) scene = parse(chains);
     scene.network.threshold = 10;
     int lacking = 0;
     for (int64_t k = 0; k < 60; k++) {
-        sp_packing packing = sp_packing_none();
+        FREED(sp_packing) packing = sp_packing_none();
         sp_sample sample = {0};
         sp_alloc_fail_after(k);
         sp_status status = sp_sample_make(&scene, SP_WANT_CTOF | SP_WANT_STATICS, &packing, &sample, NULL, NULL);
@@ -606,14 +583,12 @@ TEST(a_refused_part_without_memory) {
         if (status == SP_EREFUSED)
             assert_int_equal(sample.have, SP_WANT_STATICS);
         lacking += status == SP_ENOMEM;
-        sp_packing_free(&packing);
     }
     assert_true(lacking > 5 && lacking < 60);
-    sp_scene_free(&scene);
 }
 
 TEST(a_study_without_memory) {
-    sp_scene scene = parse(chains);
+    FREED(sp_scene) scene = parse(chains);
     scene.samples = 1;
     sp_status status = SP_ENOMEM;
     for (int64_t k = 0; status != SP_OK; k += 7) {
@@ -630,7 +605,6 @@ TEST(a_study_without_memory) {
         shelf_free(s);
         assert_true(k < 5000);
     }
-    sp_scene_free(&scene);
 }
 
 /* A chain's front is known: the Airy front (16) of [S] gives its arrival at the far wall within the grid's error of a
@@ -646,15 +620,15 @@ TEST(marks_on_the_default_grid) {
             spec.friction = 0;
             spec.grains = grains;
             spec.pressure = pressure[k];
-            sp_packing p = sp_packing_none();
-            sp_network net = sp_network_none();
+            FREED(sp_packing) p = sp_packing_none();
+            FREED(sp_network) net = sp_network_none();
             sp_network_options options = sp_network_options_default();
             sp_front coarse, fine;
             assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
             assert_ok(sp_network_make(&p, &options, &net, &err));
             assert_ok(sp_network_front(&net, SP_SOURCE_IMPULSE, 0, &coarse, &err));
             sp_signal_options o = sp_signal_options_default();
-            sp_signal signal = sp_signal_none();
+            FREED(sp_signal) signal = sp_signal_none();
             o.method = SP_SIGNAL_CHEBYSHEV;
             o.source = SP_SOURCE_IMPULSE;
             o.until = 1.5 * coarse.t_zero;
@@ -666,9 +640,6 @@ TEST(marks_on_the_default_grid) {
             assert_relative(coarse.t_peak, fine.t_peak, 2e-4);
             assert_relative(coarse.t_zero, fine.t_zero, 2e-4);
             assert_relative(coarse.amplitude, fine.amplitude, 1e-5);
-            sp_signal_free(&signal);
-            sp_network_free(&net);
-            sp_packing_free(&p);
         }
 }
 

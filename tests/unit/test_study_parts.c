@@ -25,11 +25,10 @@ static sp_packing packing;
 
 static int make(void **state) {
     (void)state;
-    sp_scene scene = parse(NULL);
+    FREED(sp_scene) scene = parse(NULL);
     sp_error err = {0};
     packing = sp_packing_none();
     const sp_status status = sp_packing_make(&scene.pack, NULL, NULL, &packing, &err);
-    sp_scene_free(&scene);
     return status != SP_OK;
 }
 
@@ -43,21 +42,21 @@ static int release(void **state) {
 
 /* Each plane by itself: its own signal, up to the end of its own window. */
 TEST(planes_one_by_one) {
-    sp_scene scene = parse(NULL);
+    FREED(sp_scene) scene = parse(NULL);
     sp_sample s = {0};
     assert_ok(sp_sample_make(&scene, SP_WANT_PLANES, &packing, &s, NULL, &err));
     assert_int_equal(s.have, SP_WANT_PLANES); /* no other part */
     assert_int_equal(s.planes, 3);            /* 0.5 is nearer to a wall than a diameter, 100 above the box */
     const double height = sp_packing_height(&packing);
     assert_true(height > 13.5 && height < 17);
-    sp_network net = sp_network_none();
+    FREED(sp_network) net = sp_network_none();
     assert_ok(sp_network_make(&packing, &scene.network, &net, &err));
     for (int k = 0; k < 3; k++) {
         const double plane[3] = {3, 7.5, 12};
         assert_true(s.plane[k] == plane[k]);
         sp_place at = {.kind = SP_PLACE_PLANE, .height = plane[k]};
         sp_signal_options o = sp_signal_options_default();
-        sp_signal signal = sp_signal_none();
+        FREED(sp_signal) signal = sp_signal_none();
         o.method = SP_SIGNAL_DENSE;
         o.until = 8 * plane[k] + 40;
         o.points = (int32_t)(10 * o.until) + 1;
@@ -73,14 +72,12 @@ TEST(planes_one_by_one) {
         assert_relative(s.plane_front[k].t_zero, alone.t_zero, 2e-4);
         assert_relative(s.plane_front[k].amplitude, alone.amplitude, 2e-4);
         assert_true(k == 0 || s.plane_front[k].t10 > s.plane_front[k - 1].t10);
-        sp_signal_free(&signal);
     }
-    sp_network_free(&net);
-    sp_scene_free(&scene);
 }
 
 TEST(other_planes_are_made_anew) {
-    sp_scene scene = parse(NULL), other = parse("signal.planes=3,5"), outside = parse("signal.planes=0.5,3,7.5,12");
+    FREED(sp_scene) scene = parse(NULL), other = parse("signal.planes=3,5"),
+                    outside = parse("signal.planes=0.5,3,7.5,12");
     sp_sample s = {0};
     assert_ok(sp_sample_make(&scene, SP_WANT_PLANES, &packing, &s, NULL, &err));
     assert_int_equal(sp_sample_parts(&scene, &s), SP_WANT_PLANES);
@@ -94,9 +91,6 @@ TEST(other_planes_are_made_anew) {
     assert_int_equal(s.planes, 2);
     assert_true(s.plane[1] == 5 && s.plane_front[1].t10 != 777);
     assert_relative(s.plane_front[0].t10, low.t10, 1e-9); /* in whatever company */
-    sp_scene_free(&scene);
-    sp_scene_free(&other);
-    sp_scene_free(&outside);
 }
 
 TEST(planes_without_fronts) {
@@ -116,9 +110,9 @@ TEST(planes_without_fronts) {
 /* ---- the signal -------------------------------------------------------------------------------------------------- */
 
 TEST(another_signal_is_made_anew) {
-    sp_scene scene = parse(NULL);
+    FREED(sp_scene) scene = parse(NULL);
     sp_sample s = {0};
-    sp_sample_arrays arrays = sp_sample_arrays_none();
+    FREED(sp_sample_arrays) arrays = sp_sample_arrays_none();
     assert_ok(sp_sample_make(&scene, SP_WANT_SIGNAL, &packing, &s, &arrays, &err));
     assert_true(s.signal.points == 51 && s.signal.until == 30 && s.signal.tolerance == 1e-10);
     static const struct {
@@ -128,35 +122,30 @@ TEST(another_signal_is_made_anew) {
                  {"signal.method=dense", false}, {"signal.method=dynamics", false}, {"signal.method=chebyshev", true},
                  {"study.samples=3", true},      {"signal.until=30.0", true}};
     for (size_t k = 0; k < sizeof other / sizeof *other; k++) {
-        sp_scene changed = parse(other[k].set);
+        FREED(sp_scene) changed = parse(other[k].set);
         if ((sp_sample_parts(&changed, &s) == SP_WANT_SIGNAL) != other[k].fits)
             fail_msg("%s", other[k].set);
-        sp_scene_free(&changed);
     }
     s.signal.tolerance = NAN; /* of a file that does not say */
     assert_int_equal(sp_sample_parts(&scene, &s), SP_WANT_SIGNAL);
-    sp_scene longer = parse("signal.points=77");
+    FREED(sp_scene) longer = parse("signal.points=77");
     assert_ok(sp_sample_make(&longer, SP_WANT_SIGNAL, &packing, &s, &arrays, &err));
     assert_true(arrays.signal.n == 77 && s.signal.points == 77);
     /* until = 0: the window of the packing's own height */
-    sp_scene whole = parse("signal.until=0");
+    FREED(sp_scene) whole = parse("signal.until=0");
     assert_ok(sp_sample_make(&whole, SP_WANT_SIGNAL, &packing, &s, &arrays, &err));
     assert_relative(s.signal.until, 8 * sp_packing_height(&packing) + 40, 1e-12);
     assert_int_equal(sp_sample_parts(&whole, &s), SP_WANT_SIGNAL);
-    sp_sample_arrays_free(&arrays);
-    sp_scene_free(&whole);
-    sp_scene_free(&longer);
-    sp_scene_free(&scene);
 }
 
 /* ---- the spectrum ------------------------------------------------------------------------------------------------ */
 
 /* The frequencies are those of the dense solver, but for the rattlers' zero modes; nothing else is made. */
 TEST(every_frequency) {
-    sp_scene scene = parse(NULL);
+    FREED(sp_scene) scene = parse(NULL);
     sp_sample s = {0};
     sp_sample_arrays arrays = sp_sample_arrays_none();
-    sp_network net = sp_network_none();
+    FREED(sp_network) net = sp_network_none();
     sp_modes modes = sp_modes_none();
     const sp_modes_options options = {.vectors = false};
     assert_ok(sp_sample_make(&scene, SP_WANT_SPECTRUM, &packing, &s, &arrays, &err));
@@ -172,9 +161,8 @@ TEST(every_frequency) {
         assert_true(arrays.omega[k] == modes.omega[modes.n_rattler + k] && arrays.omega[k] > 0);
     assert_true(s.spectrum.omega_max == arrays.omega[arrays.modes - 1]);
     sp_modes_free(&modes);
-    sp_network_free(&net);
     /* they are there whatever the scene says of signals and planes, and are not made a second time */
-    sp_scene other = parse("signal.until=31");
+    FREED(sp_scene) other = parse("signal.until=31");
     assert_int_equal(sp_sample_parts(&other, &s), SP_WANT_SPECTRUM);
     sp_sample_arrays_free(&arrays);
     assert_ok(sp_sample_make(&other, SP_WANT_SPECTRUM | SP_WANT_STATICS, &packing, &s, &arrays, &err));
@@ -184,12 +172,10 @@ TEST(every_frequency) {
     s = (sp_sample){0};
     assert_ok(sp_sample_make(&scene, SP_WANT_SPECTRUM | SP_WANT_STATICS, &packing, &s, NULL, &err));
     assert_int_equal(s.have, SP_WANT_STATICS);
-    sp_scene_free(&other);
-    sp_scene_free(&scene);
 }
 
 TEST(no_frequency) {
-    sp_scene scene = parse(NULL);
+    FREED(sp_scene) scene = parse(NULL);
     scene.network.threshold = 50; /* no network */
     scene.want = SP_WANT_SPECTRUM | SP_WANT_STATICS;
     sp_sample s = {0};
@@ -203,13 +189,12 @@ TEST(no_frequency) {
     assert_int_equal(sp_sample_stored(&scene, &s), SP_STORED_FAILED);
     s.have |= SP_WANT_SPECTRUM;
     assert_int_equal(sp_sample_stored(&scene, &s), SP_STORED_ALL);
-    sp_scene_free(&scene);
 }
 
 /* ---- probes ------------------------------------------------------------------------------------------------------ */
 
 TEST(probes_beside_moduli) {
-    sp_scene scene = parse(NULL);
+    FREED(sp_scene) scene = parse(NULL);
     sp_sample both = {0}, one = {0};
     assert_ok(sp_sample_make(&scene, SP_WANT_PROBES | SP_WANT_MODULI, &packing, &both, NULL, &err));
     assert_int_equal(both.have, SP_WANT_PROBES | SP_WANT_MODULI | SP_WANT_STATICS);
@@ -219,7 +204,7 @@ TEST(probes_beside_moduli) {
     assert_relative(both.moduli.c_t, one.moduli.c_t, 1e-9);
     assert_ok(sp_sample_make(&scene, SP_WANT_PROBES, &packing, &one, NULL, &err));
     assert_int_equal(one.have, both.have);
-    sp_network net = sp_network_none();
+    FREED(sp_network) net = sp_network_none();
     assert_ok(sp_network_make(&packing, &scene.network, &net, &err));
     const sp_probe probe[SP_PROBES] = {
         {SP_PROBE_SINE, 1}, {SP_PROBE_SINE, 2}, {SP_PROBE_LINES, 1}, {SP_PROBE_LINES, 3}};
@@ -231,8 +216,6 @@ TEST(probes_beside_moduli) {
         assert_relative(one.probe[k].along, alone[k].along, 1e-9);
         assert_true(alone[k].along > 0 && alone[k].shear > 0);
     }
-    sp_network_free(&net);
-    sp_scene_free(&scene);
 }
 
 TEST(wants_and_parts) {
@@ -240,29 +223,26 @@ TEST(wants_and_parts) {
     assert_int_equal(sp_want_parts(SP_WANT_SCALING | SP_WANT_PLANES), SP_WANT_CTOF | SP_WANT_PLANES);
     assert_int_equal(sp_want_parts(SP_WANT_MODULI), SP_WANT_MODULI);
     assert_int_equal(sp_want_parts(SP_WANT_SPECTRUM | SP_WANT_SCALING), SP_WANT_SPECTRUM | SP_WANT_CTOF);
-    sp_scene scene = parse(NULL);
+    FREED(sp_scene) scene = parse(NULL);
     sp_sample s = {0};
     assert_ok(sp_sample_make(&scene, SP_WANT_SCALING, &packing, &s, NULL, &err));
     assert_int_equal(s.have, SP_WANT_CTOF);
-    sp_scene_free(&scene);
 }
 
 TEST(lack_of_memory) {
-    sp_scene scene = parse(NULL);
+    FREED(sp_scene) scene = parse(NULL);
     sp_status status = SP_ENOMEM;
     for (int64_t k = 0; status != SP_OK; k += 1 + k / 8) {
         sp_sample s = {0};
-        sp_sample_arrays arrays = sp_sample_arrays_none();
+        FREED(sp_sample_arrays) arrays = sp_sample_arrays_none();
         sp_error err = {0};
         sp_alloc_fail_after(k);
         status =
             sp_sample_make(&scene, SP_WANT_PLANES | SP_WANT_PROBES | SP_WANT_SPECTRUM, &packing, &s, &arrays, &err);
         sp_alloc_fail_after(-1);
-        sp_sample_arrays_free(&arrays);
         assert_true(status == SP_OK || (status == SP_ENOMEM && !s.failed));
         assert_true(k < 20000);
     }
-    sp_scene_free(&scene);
 }
 
 RUN_TESTS(make, release)

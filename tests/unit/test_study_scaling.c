@@ -60,7 +60,7 @@ static void make_up(sp_sample s[MADE]) {
 TEST(a_row_a_height) {
     sp_sample s[MADE];
     make_up(s);
-    sp_table t = sp_table_none();
+    FREED(sp_table) t = sp_table_none();
     assert_ok(sp_study_table("scaling", MADE, s, NULL, &t, &err));
     static const char *const columns[] = {
         "p",      "width",      "distance",       "distance_err", "samples",       "t10",       "t10_err",
@@ -98,7 +98,6 @@ TEST(a_row_a_height) {
     assert_close(strtod(fit, NULL), 1.2, 1e-5);
     assert_non_null(strstr(fit, "chi2"));
     assert_close(strtod(sp_table_get_text(&t, "speed(p=0.0001, width=12, friction=0.5)"), NULL), 0.25, 1e-5);
-    sp_table_free(&t);
 }
 
 TEST(a_row_a_plane) {
@@ -107,7 +106,7 @@ TEST(a_row_a_plane) {
     for (int k = 0; k < MADE; k++)
         if (s[k].grains == 300 && s[k].seed == 1)
             s[k].plane_front[1] = (sp_front){NAN, NAN, NAN, NAN, NAN, 0};
-    sp_table t = sp_table_none();
+    FREED(sp_table) t = sp_table_none();
     assert_ok(sp_study_table("planes", MADE, s, NULL, &t, &err));
     assert_int_equal(t.rows, 2 * 2 * (2 + 3 + 3));
     for (int r = 0; r < t.rows; r++) {
@@ -127,7 +126,6 @@ TEST(a_row_a_plane) {
         assert_close(cell(&t, r, "gamma_err"), 0, 1e-12); /* factors of the packings cancel */
     }
     assert_non_null(sp_table_get_text(&t, "alpha(p=1e-06, width=12, friction=0.5, grains=600)"));
-    sp_table_free(&t);
 }
 
 /* Times of planes that scatter: alike in all planes of a packing they leave the speed alone, by themselves they do not.
@@ -140,7 +138,7 @@ TEST(intervals_of_speeds) {
         for (int k = 0; k < MADE; k++)
             for (int i = 0; i < s[k].planes; i++)
                 s[k].plane_front[i].t10 += off[(s[k].seed - 1 + (own ? (unsigned)i : 0)) % SEEDS];
-        sp_table t = sp_table_none();
+        FREED(sp_table) t = sp_table_none();
         assert_ok(sp_study_table("planes", MADE, s, NULL, &t, &err));
         for (int r = 0; r < t.rows; r++) {
             const double speed = cell(&t, r, "speed"), low = cell(&t, r, "speed_low"), high = cell(&t, r, "speed_high");
@@ -153,7 +151,6 @@ TEST(intervals_of_speeds) {
             else /* four samples: Student's is 3.2, twice of it the most; the errors are of the first order */
                 assert_true(high - low > 2 * 1.6 * error && high - low < 4 * 3.2 * 1.5 * error);
         }
-        sp_table_free(&t);
     }
 }
 
@@ -232,15 +229,13 @@ TEST(in_any_order) {
         turned[k] = s[(k * 31 + 7) % MADE]; /* 31 and 48 have no common factor */
     static const char *const names[] = {"scaling", "planes", "probes"};
     for (int n = 0; n < 2; n++) {
-        sp_table a = sp_table_none(), b = sp_table_none();
+        FREED(sp_table) a = sp_table_none(), b = sp_table_none();
         assert_ok(sp_study_table(names[n], MADE, s, NULL, &a, &err));
         assert_ok(sp_study_table(names[n], MADE, turned, NULL, &b, &err));
         char *left = sp_table_text(&a, SP_TSV), *right = sp_table_text(&b, SP_TSV);
         assert_string_equal(left, right);
         sp_free(left);
         sp_free(right);
-        sp_table_free(&a);
-        sp_table_free(&b);
     }
 }
 

@@ -29,7 +29,7 @@ static sp_signal_average sum_up(int first, int step) {
 /* Direct sums in long double. Rounding of 40 updates is below 40 eps of the numbers, here below 2. */
 TEST(the_same_as_direct_sums) {
     fill(0);
-    sp_signal_average s = sum_up(0, 1);
+    FREED(sp_signal_average) s = sum_up(0, 1);
     assert_int_equal(s.points, POINTS);
     for (int k = 0; k < POINTS; k++) {
         long double mean = 0, squares = 0;
@@ -43,33 +43,27 @@ TEST(the_same_as_direct_sums) {
         assert_relative(sp_signal_average_rms(&s, k), (double)sqrtl(squares / SIGNALS), 1e-13);
         assert_relative(sp_signal_average_mean_err(&s, k), (double)sqrtl(squares / (SIGNALS - 1) / SIGNALS), 1e-13);
     }
-    sp_signal_average_free(&s);
 }
 
 TEST(order_is_rounding) {
     fill(0);
-    sp_signal_average a = sum_up(0, 1), b = sum_up(5, 3), c = sum_up(SIGNALS - 1, SIGNALS - 1);
+    FREED(sp_signal_average) a = sum_up(0, 1), b = sum_up(5, 3), c = sum_up(SIGNALS - 1, SIGNALS - 1);
     for (int k = 0; k < POINTS; k++) {
         assert_close(b.mean[k], a.mean[k], 2e-14);
         assert_close(c.mean[k], a.mean[k], 2e-14);
         assert_relative(sp_signal_average_rms(&b, k), sp_signal_average_rms(&a, k), 1e-13);
         assert_relative(sp_signal_average_rms(&c, k), sp_signal_average_rms(&a, k), 1e-13);
     }
-    sp_signal_average_free(&a);
-    sp_signal_average_free(&b);
-    sp_signal_average_free(&c);
 }
 
 /* The difference of sums of squares would keep none of the scatter: 1e8 squared has 16 digits before it. */
 TEST(scatter_beside_a_large_offset) {
     fill(0);
-    sp_signal_average small = sum_up(0, 1);
+    FREED(sp_signal_average) small = sum_up(0, 1);
     fill(1e8);
-    sp_signal_average large = sum_up(0, 1);
+    FREED(sp_signal_average) large = sum_up(0, 1);
     for (int k = 0; k < POINTS; k++) /* numbers near 1e8 are known to 1.5e-8 */
         assert_relative(sp_signal_average_rms(&large, k), sp_signal_average_rms(&small, k), 1e-6);
-    sp_signal_average_free(&small);
-    sp_signal_average_free(&large);
 }
 
 TEST(few_signals) {
@@ -89,7 +83,7 @@ TEST(few_signals) {
 }
 
 TEST(other_times_are_refused) {
-    sp_signal_average s = sp_signal_average_none();
+    FREED(sp_signal_average) s = sp_signal_average_none();
     const double t[] = {0, 10, 20}, f[] = {1, 2, 3}, near[] = {1e-12, 10 - 1e-12, 20 + 1e-11};
     const double far[] = {0, 10 + 1e-10, 20}, begin[] = {1e-10, 10, 20}, nan[] = {0, NAN, 20}, end[] = {0, 10, NAN};
     assert_fails(sp_signal_average_add(&s, 0, t, f, &err), SP_EINVAL, "0 points");
@@ -103,18 +97,16 @@ TEST(other_times_are_refused) {
     assert_int_equal(s.count, 2);
     for (int k = 0; k < 3; k++)
         assert_true(s.t[k] == t[k] && s.mean[k] == f[k] && sp_signal_average_rms(&s, k) == 0);
-    sp_signal_average_free(&s);
 }
 
 TEST(no_memory) {
-    sp_signal_average s = sp_signal_average_none();
+    FREED(sp_signal_average) s = sp_signal_average_none();
     const double t[] = {0, 1}, f[] = {1, 2};
     sp_alloc_fail_after(0);
     assert_fails(sp_signal_average_add(&s, 2, t, f, &err), SP_ENOMEM, "");
     sp_alloc_fail_after(-1);
     assert_true(s.count == 0 && !s.t);
     assert_ok(sp_signal_average_add(&s, 2, t, f, &err));
-    sp_signal_average_free(&s);
 }
 
 RUN_TESTS(NULL, NULL)

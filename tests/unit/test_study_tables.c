@@ -69,7 +69,7 @@ static double cell(const sp_table *t, int64_t row, const char *column) {
 TEST(table_of_speeds) {
     sp_sample s[MADE];
     make_up(s);
-    sp_table t = sp_table_none();
+    FREED(sp_table) t = sp_table_none();
     assert_ok(sp_study_table("ctof", MADE, s, NULL, &t, &err));
     static const char *const columns[] = {"p",          "samples",    "c_tof",   "c_tof_err", "c_peak",
                                           "c_zero",     "c_l",        "c_t",     "c_tof_low", "c_tof_high",
@@ -95,7 +95,6 @@ TEST(table_of_speeds) {
     }
     assert_close(strtod(sp_table_get_text(&t, "exponent"), NULL), 1.0 / 6, 1e-6);
     assert_string_equal(sp_table_get_text(&t, "failed"), "0");
-    sp_table_free(&t);
 }
 
 /* Arrival times that scatter by dt: the error of c = dH/dT is c sqrt(2 dt^2/n)/T. */
@@ -149,7 +148,7 @@ TEST(any_order_of_samples) {
     s[7].have = 0;
     snprintf(s[7].reason, sizeof s[7].reason, "it failed");
     for (int n = 0; n < 4; n++) {
-        sp_table t = sp_table_none();
+        FREED(sp_table) t = sp_table_none();
         assert_ok(sp_study_table(names[n], MADE, s, NULL, &t, &err));
         for (int trial = 1; trial < 8; trial++) {
             for (int k = 0; k < MADE; k++)
@@ -162,12 +161,10 @@ TEST(any_order_of_samples) {
             }
             for (int k = 0; k < 3; k++)
                 mixed[MADE + k] = mixed[k * trial]; /* the same sample again counts once */
-            sp_table again = sp_table_none();
+            FREED(sp_table) again = sp_table_none();
             assert_ok(sp_study_table(names[n], MADE + 3, mixed, NULL, &again, &err));
             assert_same_table(&t, &again);
-            sp_table_free(&again);
         }
-        sp_table_free(&t);
     }
 }
 

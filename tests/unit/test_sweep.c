@@ -38,7 +38,7 @@ static void check_sweeps(const sp_scene *s, const char *expected) {
 /* Sweeps and every sample of the scene are the same after text and back. */
 static void check_round_trip(const sp_scene *s) {
     char *text = sp_scene_text(s, NULL);
-    sp_scene back = parsed(text);
+    FREED(sp_scene) back = parsed(text);
     char *again = sp_scene_text(&back, NULL);
     assert_string_equal(text, again);
     assert_int_equal(back.sweeps, s->sweeps);
@@ -55,14 +55,12 @@ static void check_round_trip(const sp_scene *s) {
     }
     sp_free(again);
     sp_free(text);
-    sp_scene_free(&back);
 }
 
 static void is_swept(const char *text, const char *expected) {
-    sp_scene s = parsed(text);
+    FREED(sp_scene) s = parsed(text);
     check_sweeps(&s, expected);
     check_round_trip(&s);
-    sp_scene_free(&s);
 }
 
 /* ---- values ----------------------------------------------------------------------------------------------------- */
@@ -80,10 +78,10 @@ TEST(words_booleans_and_lists) {
 }
 
 TEST(samples_get_the_values) {
-    sp_scene s = parsed("packing = { seed = 7; history = [1e-5]; }; study = { samples = 2; sweep = ("
-                        "{ key = \"packing.history\"; values = ( [1e-3, 1e-4], [] ); },"
-                        "{ key = \"packing.compression\"; values = [\"isotropic\", \"piston\"]; },"
-                        "{ key = \"packing.reference\"; values = [true, false]; } ); };");
+    FREED(sp_scene) s = parsed("packing = { seed = 7; history = [1e-5]; }; study = { samples = 2; sweep = ("
+                               "{ key = \"packing.history\"; values = ( [1e-3, 1e-4], [] ); },"
+                               "{ key = \"packing.compression\"; values = [\"isotropic\", \"piston\"]; },"
+                               "{ key = \"packing.reference\"; values = [true, false]; } ); };");
     assert_int_equal(sp_study_count(&s), 16);
     for (int k = 0; k < 16; k++) {
         sp_scene one;
@@ -98,7 +96,6 @@ TEST(samples_get_the_values) {
             assert_null(one.pack.history);
     }
     assert_int_equal(s.pack.history_count, 1); /* of a packing that is made alone */
-    sp_scene_free(&s);
 }
 
 TEST(each_kind_has_its_dimension) {
@@ -107,7 +104,7 @@ TEST(each_kind_has_its_dimension) {
     for (int k = 0; k < 2; k++) {
         char text[200];
         snprintf(text, sizeof text, "packing = { kind = [%s]; grains = 240; friction = 0; };", first[k]);
-        sp_scene s = parsed(text);
+        FREED(sp_scene) s = parsed(text);
         assert_int_equal(s.pack.dim, k == 0 ? 2 : 1);
         for (int i = 0; i < 3; i++) {
             sp_scene one;
@@ -118,7 +115,6 @@ TEST(each_kind_has_its_dimension) {
         char *text_alone = sp_scene_text(&s, "packing"); /* kept with a packing that is made alone */
         assert_non_null(strstr(text_alone, "dimension = "));
         sp_free(text_alone);
-        sp_scene_free(&s);
     }
     is_swept("packing = { dimension = [2, 3]; width = 6; };", "packing.dimension=2|3");
 }
@@ -128,15 +124,14 @@ TEST(combinations_count) {
     const char *text =
         "packing = { sizes = \"list\"; grains = 3; kind = \"chain\"; };"
         "study = { sweep = ( { key = \"packing.diameters\"; values = ( [1, 1, 1], [1, 1, 1.1] ); } ); };";
-    sp_scene s = parsed(text);
+    FREED(sp_scene) s = parsed(text);
     assert_int_equal(sp_study_count(&s), 2);
     assert_fails(sp_pack_spec_check(&s.pack, &err), SP_EINVAL, "packing.diameters 0");
     check_round_trip(&s);
-    sp_scene_free(&s);
 }
 
 TEST(seeds) {
-    sp_scene s = parsed("packing = { seed = [100, 1]; }; study = { samples = 99; };");
+    FREED(sp_scene) s = parsed("packing = { seed = [100, 1]; }; study = { samples = 99; };");
     check_sweeps(&s, "packing.seed=100|1");
     sp_scene one;
     assert_ok(sp_study_scene(&s, 197, &one, &err));
@@ -144,7 +139,6 @@ TEST(seeds) {
     assert_ok(sp_study_scene(&s, 196, &one, &err));
     assert_int_equal(one.pack.seed, 198);
     check_round_trip(&s);
-    sp_scene_free(&s);
     is_swept("packing = { seed = [9007199254740991, 9007199254740992, 4503599627370497]; };",
              "packing.seed=9007199254740991|9007199254740992|4503599627370497");
     is_swept("packing = { seed = { from = 9007199254740980; to = 9007199254740992; step = 4; }; };",
@@ -180,7 +174,7 @@ TEST(ranges_are_exact) {
         snprintf(text, sizeof text,
                  "packing = { pressure = { from = %.17g; to = %.17g; count = 1000; spacing = \"%s\"; }; };", from, to,
                  log_ ? "log" : "linear");
-        sp_scene s = parsed(text);
+        FREED(sp_scene) s = parsed(text);
         const double *p = s.sweep[0].values;
         assert_int_equal(s.sweep[0].count, 1000);
         assert_true(p[0] == from && p[999] == to && s.pack.pressure == from);
@@ -190,7 +184,6 @@ TEST(ranges_are_exact) {
             /* logarithms up to 22 are rounded to 4e-15, what is neat to 1e-14 */
             assert_relative(p[k], expected, 3e-14);
         }
-        sp_scene_free(&s);
     }
 }
 
@@ -203,12 +196,11 @@ TEST(neat_values_are_met) {
                 snprintf(text, sizeof text,
                          "packing = { pressure = { from = 1e%d; to = 1e%d; count = %d; spacing = \"log\"; }; };", low,
                          high, part * (high - low) + 1);
-                sp_scene s = parsed(text);
+                FREED(sp_scene) s = parsed(text);
                 for (int k = 0; k <= high - low; k++) {
                     snprintf(value, sizeof value, "1e%d", low + k);
                     assert_true(s.sweep[0].values[part * k] == strtod(value, NULL));
                 }
-                sp_scene_free(&s);
             }
     for (int count = 2; count <= 200; count++) { /* steps of 0.01 .. 0.07 from -1 on */
         const int step = count % 7 + 1;
@@ -216,13 +208,12 @@ TEST(neat_values_are_met) {
         if (last <= 0)
             continue;
         snprintf(text, sizeof text, "packing = { drag = { from = -1; to = -0.%02d; count = %d; }; };", last, count);
-        sp_scene s = parsed(text);
+        FREED(sp_scene) s = parsed(text);
         for (int k = 0; k < count; k++) {
             const int cents = 100 - step * k;
             snprintf(value, sizeof value, "-%d.%02d", cents / 100, cents % 100);
             assert_true(s.sweep[0].values[k] == strtod(value, NULL));
         }
-        sp_scene_free(&s);
     }
 }
 
@@ -234,12 +225,11 @@ TEST(lists_in_the_place_of_values) {
                        "study = { sweep = ( { key = \"packing.grains\"; values = [200, 600]; } ); };";
     is_swept(text, "packing.grains=200|600; packing.pressure=1e-07|0.0001; packing.friction=0|0.5; "
                    "packing.sizes=bidisperse|uniform; network.prestress=true");
-    sp_scene s = parsed(text);
+    FREED(sp_scene) s = parsed(text);
     assert_true(s.pack.pressure == 1e-7 && s.pack.friction == 0 && s.pack.sizes == SP_SIZES_BIDISPERSE);
     assert_true(s.network.prestress && s.pack.grains == 600); /* the default */
     assert_int_equal(sp_study_count(&s), 16);
     assert_ok(sp_scene_check_sweeps(&s, &err));
-    sp_scene_free(&s);
 }
 
 TEST(overrides) {
@@ -262,11 +252,10 @@ TEST(overrides) {
          "packing.width=20|24; packing.pressure=1e-07|0.0001; packing.friction=0|0.5"},
     };
     for (size_t k = 0; k < sizeof sets / sizeof *sets; k++) {
-        sp_scene s = parsed_set(text, sets[k][0]);
+        FREED(sp_scene) s = parsed_set(text, sets[k][0]);
         check_sweeps(&s, sets[k][1]);
         assert_ok(sp_scene_check_sweeps(&s, &err));
         check_round_trip(&s);
-        sp_scene_free(&s);
     }
     sp_scene s = parsed_set(text, "packing.grains=100"); /* study.sweep is not replaced */
     assert_fails(sp_scene_check_sweeps(&s, &err), SP_EINVAL, "--set packing.grains study.sweep");
@@ -274,11 +263,11 @@ TEST(overrides) {
     char grains[] = "packing.grains=300", *other[] = {grains};
     assert_fails(sp_scene_parse("packing = { height = [10, 20]; };", "s.cfg", 1, other, &s, &err), SP_EINVAL,
                  "s.cfg:1 packing.height packing.grains 300");
-    sp_scene lists = parsed_set("packing = { kind = \"chain\"; sizes = \"list\"; diameters = [1, 1]; grains = 2; };"
-                                "study = { sweep = ( { key = \"packing.diameters\"; values = ([1, 1], [1, 2]); } ); };",
-                                "packing.diameters=1,3");
+    FREED(sp_scene) lists =
+        parsed_set("packing = { kind = \"chain\"; sizes = \"list\"; diameters = [1, 1]; grains = 2; };"
+                   "study = { sweep = ( { key = \"packing.diameters\"; values = ([1, 1], [1, 2]); } ); };",
+                   "packing.diameters=1,3");
     assert_fails(sp_scene_check_sweeps(&lists, &err), SP_EINVAL, "--set packing.diameters");
-    sp_scene_free(&lists);
 }
 
 /* ---- the functions alone ---------------------------------------------------------------------------------------- */
@@ -287,7 +276,7 @@ TEST(take_and_text) {
     double pressures[] = {1e-6, -1}, words[] = {1, 77}, list[] = {1e-3, 0.1, 1e-4};
     int32_t begin[] = {0, 0, 1, 3};
     char buf[64], small[11];
-    sp_scene s = sp_scene_default();
+    FREED(sp_scene) s = sp_scene_default();
     sp_sweep pressure = {.key = "packing.pressure", .count = 2, .values = pressures};
     assert_ok(sp_scene_set_swept(&s, &pressure, 0, &err));
     assert_true(s.pack.pressure == 1e-6);
@@ -316,7 +305,6 @@ TEST(take_and_text) {
     s.height = 20;
     assert_ok(sp_scene_set_swept(&s, &grains, 0, &err));
     assert_true(s.height == 0 && s.pack.grains == 50); /* the last one decides */
-    sp_scene_free(&s);
 }
 
 /* Every allocation fails once: a reason, no leak (the sanitizers look), nothing written. */

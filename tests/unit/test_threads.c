@@ -56,7 +56,7 @@ static sp_status signals(const sp_network *net, const sp_packing *p, FILE *out, 
     sp_status status = SP_OK;
     for (size_t k = 0; k < sizeof methods / sizeof *methods && status == SP_OK; k++) {
         sp_signal_options ask = sp_signal_options_default();
-        sp_signal signal = sp_signal_none();
+        FREED(sp_signal) signal = sp_signal_none();
         ask.method = methods[k];
         ask.tolerance = methods[k] == SP_SIGNAL_VERLET ? 1e-3 : 1e-8;
         ask.until = 0.3 * sp_signal_window(sp_packing_height(p), p->pressure);
@@ -64,7 +64,6 @@ static sp_status signals(const sp_network *net, const sp_packing *p, FILE *out, 
         status = sp_signal_make(net, &ask, &signal, err);
         if (status == SP_OK)
             keep(out, signal.f, (size_t)signal.n, sizeof *signal.f);
-        sp_signal_free(&signal);
     }
     return status;
 }
@@ -262,8 +261,8 @@ TEST(threads_share_a_network) {
     static reader team[THREADS];
     const sp_pack_spec spec = spec_of(0);
     const sp_network_options options = sp_network_options_default();
-    sp_packing p = sp_packing_none();
-    sp_network net = sp_network_none();
+    FREED(sp_packing) p = sp_packing_none();
+    FREED(sp_network) net = sp_network_none();
     assert_ok(sp_packing_make(&spec, NULL, NULL, &p, &err));
     assert_ok(sp_network_make(&p, &options, &net, &err));
     outcome alone = read_network(&p, &net);
@@ -279,8 +278,6 @@ TEST(threads_share_a_network) {
         free(team[t].made.bytes);
     }
     free(alone.bytes);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 /* As a host that has threads of its own does: OpenBLAS's would wait for each other (the test takes six times as long),

@@ -130,8 +130,8 @@ TEST(test_strips) {
 }
 
 TEST(test_bad_input) {
-    sp_packing p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
-    sp_network net = network_of(&p, false), turning = network_of(&p, true);
+    FREED(sp_packing) p = reference_packing(SOURCE_DIR "/packings/reference/packing_N200_p1e-4.txt");
+    FREED(sp_network) net = network_of(&p, false), turning = network_of(&p, true);
     sp_modes modes = modes_of(&net), none = sp_modes_none();
     const sp_spread_options so = sp_spread_options_default();
     const sp_split_options po = sp_split_options_default();
@@ -166,9 +166,6 @@ TEST(test_bad_input) {
     WRONG(kubo, o.smear = 0, SP_EINVAL, "0", &modes, 1, &good, &o, &k);
 #undef WRONG
     sp_modes_free(&modes);
-    sp_network_free(&turning);
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 RUN_TESTS(NULL, NULL)

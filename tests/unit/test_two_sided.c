@@ -35,7 +35,7 @@ static sp_sparse sparse_of(const double *a, bool lower) {
  * that are close become a pair. */
 static problem problem_of(unsigned seed, double skew) {
     problem p = {.a = calloc(N * N, sizeof(double)), .spec = {WANTED, MORE, 1e-11 * N, 1e-15 * N}};
-    double *copy = malloc(N * N * sizeof *copy), *vectors = malloc(N * N * sizeof *vectors);
+    RELEASED double *copy = malloc(N * N * sizeof *copy), *vectors = malloc(N * N * sizeof *vectors);
     srand(seed);
     for (int c = 0; c < N; c++)
         for (int r = 0; r <= c; r++)
@@ -54,8 +54,6 @@ static problem problem_of(unsigned seed, double skew) {
     p.lower = sparse_of(p.a, true);
     assert_ok(sp_ldl_make(&p.lower, NULL, &p.factor, &err));
     assert_ok(sp_ldl_factor(p.factor, -3, &err));
-    free(copy);
-    free(vectors);
     return p;
 }
 
@@ -75,7 +73,7 @@ static sp_two_sided pairs_of(problem *p) {
 
 /* LAPACK's errors are some 1e-13; returns the largest radius of the wanted ones. */
 static double check_discs(problem *p, const sp_two_sided *t) {
-    sp_discs d = {0};
+    FREED(sp_discs) d = {0};
     double complete, most = 0;
     int64_t below = 0, discs = 0;
     assert_ok(sp_two_sided_enclose(t, p->factor, &p->whole, &p->spec, &complete, &d, &err));
@@ -92,14 +90,13 @@ static double check_discs(problem *p, const sp_two_sided *t) {
         most = q < t->wanted ? fmax(most, d.radius[q]) : most;
     }
     assert_int_equal(below, discs);
-    sp_discs_free(&d);
     return most;
 }
 
 TEST(test_discs_of_the_lowest) {
     for (unsigned seed = 1; seed <= 3; seed++) {
         problem p = problem_of(seed, 0.05 * seed);
-        sp_two_sided t = pairs_of(&p);
+        FREED(sp_two_sided) t = pairs_of(&p);
         int64_t pairs = 0;
         for (int64_t k = 0; k < t.wanted; k++)
             pairs += t.im[k] > 0;
@@ -108,7 +105,6 @@ TEST(test_discs_of_the_lowest) {
         t.re[1] += 1e-5; /* a wrong value, and a wrong vector: the discs grow */
         t.right[7] += 1e-5;
         assert_true(check_discs(&p, &t) > 1e-5);
-        sp_two_sided_free(&t);
         problem_free(&p);
     }
 }
@@ -127,7 +123,7 @@ static void leave_out(sp_two_sided *t, int64_t k) {
 TEST(test_none_may_be_missing) {
     problem p = problem_of(4, 0.1);
     for (int k = 0; k < WANTED - 1; k++) { /* without the last one the limit may lie below it */
-        sp_two_sided t = pairs_of(&p);
+        FREED(sp_two_sided) t = pairs_of(&p);
         double complete;
         sp_discs d = {0};
         if (t.im[k] == 0) {
@@ -135,21 +131,18 @@ TEST(test_none_may_be_missing) {
             assert_fails(sp_two_sided_enclose(&t, p.factor, &p.whole, &p.spec, &complete, &d, &err), SP_EREFUSED,
                          "missing");
         }
-        sp_two_sided_free(&t);
     }
     problem_free(&p);
 }
 
 TEST(test_without_memory) {
     problem p = problem_of(5, 0.1);
-    sp_two_sided t = {0};
-    sp_discs d = {0};
+    FREED(sp_two_sided) t = {0};
+    FREED(sp_discs) d = {0};
     double complete;
     EACH_ALLOCATION_FAILS(4, sp_two_sided_make(p.factor, &p.whole, &p.spec, &t, &err), assert_true(!lacks || !t.re));
     EACH_ALLOCATION_FAILS(2, sp_two_sided_enclose(&t, p.factor, &p.whole, &p.spec, &complete, &d, &err),
                           assert_true(!lacks || !d.re));
-    sp_discs_free(&d);
-    sp_two_sided_free(&t);
     problem_free(&p);
 }
 

@@ -142,7 +142,7 @@ static sp_table example(void) {
 TEST(a_table) {
     /* E* = 1 GPa, c = 1000 m/s, d = 500 mm: a time is 500 us, a force 2.5e8 N, a frequency 2000 rad/s */
     const sp_material plain = {1e9, 0, 1000, 0.5};
-    sp_table t = example();
+    FREED(sp_table) t = example();
     assert_ok(sp_table_to_si(&t, &plain, &err));
     static const char *const comments[] = {
         "height = 12250 mm",
@@ -175,7 +175,6 @@ TEST(a_table) {
     assert_string_equal(before, after);
     sp_free(before);
     sp_free(after);
-    sp_table_free(&t);
 }
 
 TEST(a_table_that_cannot_be_converted) {

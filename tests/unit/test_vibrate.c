@@ -54,10 +54,10 @@ TEST(test_row) {
     enum { N = 3, POINTS = 41, FINE = 400 };
     const double amplitudes[] = {0.2, 3};
     for (int q = 0; q < 4; q++) {
-        sp_packing p = chain_packing(N, 1e-4);
-        sp_network net = carried_network(&p);
+        FREED(sp_packing) p = chain_packing(N, 1e-4);
+        FREED(sp_network) net = carried_network(&p);
         sp_signal_options o = sp_signal_options_default();
-        sp_signal s = sp_signal_none();
+        FREED(sp_signal) s = sp_signal_none();
         o.method = SP_SIGNAL_DYNAMICS;
         o.until = 40;
         o.points = POINTS;
@@ -82,9 +82,6 @@ TEST(test_row) {
         assert_true(opened == (q % 2 == 1));
         assert_true(difference(POINTS, s.f, exact) <= s.error);
         assert_true(s.error > 0 && s.amplitude > 0 && s.step > 0);
-        sp_signal_free(&s);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
@@ -92,7 +89,7 @@ TEST(test_row) {
  * mu F_n. Both walls move it alike, so it does not turn: one tangential spring k_t = eta k_n a wall. */
 TEST(test_sliding) {
     const double radius = 0.5, overlap = 2e-3, mu = 0.3, poisson = 0.2;
-    sp_packing p = sp_packing_none();
+    FREED(sp_packing) p = sp_packing_none();
     assert_ok(sp_packing_alloc(&p, 2, 1, 2, &err));
     p.r[0] = radius;
     p.x[0] = 2;
@@ -135,7 +132,6 @@ TEST(test_sliding) {
     assert_close(m.u[5], 0, 1e-15);
     assert_close(fabs(m.touch[0].ft[0] - m.touch[1].ft[0]), 0, 1e-15);
     sp_vibration_free(&m);
-    sp_packing_free(&p);
 }
 
 /* Without friction and dashpots energy is conserved: the work of the forces' changes is the potential beyond its
@@ -158,7 +154,7 @@ static double energy(const vibration *m) {
 
 TEST(test_energy) {
     for (int dim = 2; dim <= 3; dim++) {
-        sp_packing p = scattered_packing(dim, dim == 2 ? 5 : 3, 0, 11);
+        FREED(sp_packing) p = scattered_packing(dim, dim == 2 ? 5 : 3, 0, 11);
         double worst[2];
         for (int fine = 0; fine < 2; fine++) {
             vibration m;
@@ -179,7 +175,6 @@ TEST(test_energy) {
         }
         assert_true(worst[0] < 1e-3 && worst[0] > 0);
         assert_close(log2(worst[0] / worst[1]), 2, 0.3);
-        sp_packing_free(&p);
     }
 }
 
@@ -189,11 +184,11 @@ TEST(test_small) {
     enum { POINTS = 21 };
     const double amplitudes[] = {1e-1, 1e-2, 1e-3, 1e-4};
     for (int q = 0; q < 5; q++) {
-        sp_packing p =
+        FREED(sp_packing) p =
             q == 0 ? chain_packing(10, 1e-4) : scattered_packing(q < 3 ? 2 : 3, q < 3 ? 4 : 3, q % 2 ? 0.5 : 0, 5);
-        sp_network net = carried_network(&p);
+        FREED(sp_network) net = carried_network(&p);
         sp_signal_options o = sp_signal_options_default();
-        sp_signal linear = sp_signal_none();
+        FREED(sp_signal) linear = sp_signal_none();
         double differ[4];
         o.until = q == 0 ? 60 : 2; /* in which no motion of these networks grows */
         o.points = POINTS;
@@ -204,26 +199,22 @@ TEST(test_small) {
         o.method = SP_SIGNAL_DYNAMICS;
         o.step = q == 0 ? 2e-3 : 5e-4; /* errors of the step: far below the differences */
         for (int k = 0; k < 4; k++) {
-            sp_signal s = sp_signal_none();
+            FREED(sp_signal) s = sp_signal_none();
             o.amplitude = amplitudes[k];
             assert_ok(sp_signal_compute(&p, &net, &o, &s, &err));
             differ[k] = difference(POINTS, s.f, linear.f);
-            sp_signal_free(&s);
         }
         for (int k = 2; k < 4; k++)
             if (fabs(log10(differ[k - 1] / differ[k]) - 1) > 0.1)
                 fail_msg("case %d: differences %g %g %g %g", q, differ[0], differ[1], differ[2], differ[3]);
-        sp_signal_free(&linear);
-        sp_network_free(&net);
-        sp_packing_free(&p);
     }
 }
 
 /* Sources and detectors of every kind, at an amplitude so small that the linear signals are exact. */
 TEST(test_places) {
     enum { POINTS = 11 };
-    sp_packing p = scattered_packing(2, 6, 0.5, 9);
-    sp_network net = carried_network(&p);
+    FREED(sp_packing) p = scattered_packing(2, 6, 0.5, 9);
+    FREED(sp_network) net = carried_network(&p);
     const sp_place from[] = {{.kind = SP_PLACE_WALL, .shear = true},
                              {.kind = SP_PLACE_GRAIN, .grain = 14},
                              {.kind = SP_PLACE_PART, .from = 1, .to = 3}};
@@ -236,7 +227,7 @@ TEST(test_places) {
                            {.kind = SP_PLACE_GRAIN, .grain = 32}};
     for (int source = 0; source < 3; source++) {
         sp_signal_options o = sp_signal_options_default();
-        sp_signal linear = sp_signal_none(), s = sp_signal_none();
+        FREED(sp_signal) linear = sp_signal_none(), s = sp_signal_none();
         o.source = (sp_source)source;
         o.until = 3;
         o.points = POINTS;
@@ -259,16 +250,12 @@ TEST(test_places) {
             assert_close(difference(POINTS, linear.f + q * POINTS, s.f + q * POINTS), 0, 1e-4 * peak + 1e-9 * largest);
             assert_true(peak > 0);
         }
-        sp_signal_free(&linear);
-        sp_signal_free(&s);
     }
-    sp_network_free(&net);
-    sp_packing_free(&p);
 }
 
 TEST(test_refusals) {
-    sp_packing p = chain_packing(10, 1e-4), other = chain_packing(11, 1e-4);
-    sp_network net = carried_network(&p);
+    FREED(sp_packing) p = chain_packing(10, 1e-4), other = chain_packing(11, 1e-4);
+    FREED(sp_network) net = carried_network(&p);
     sp_signal s = sp_signal_none();
     sp_signal_options o = sp_signal_options_default();
     o.method = SP_SIGNAL_DYNAMICS;
@@ -294,9 +281,6 @@ TEST(test_refusals) {
     o.tolerance = 0.05;
     o.until = 10;
     lacks_memory(&p, &net, &o, 10);
-    sp_network_free(&net);
-    sp_packing_free(&p);
-    sp_packing_free(&other);
 }
 
 RUN_TESTS(NULL, NULL)

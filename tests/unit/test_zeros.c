@@ -63,7 +63,7 @@ static void scale(sp_network *net, int32_t i, int32_t j, double factor) {
 TEST(test_weak_springs) {
     const double weak[] = {1e-6, 1e-11, 1e-13, 1e-15};
     for (int q = 0; q < 4; q++) {
-        sp_network net = network_of(chains_packing(2, 225, 1e-4));
+        FREED(sp_network) net = network_of(chains_packing(2, 225, 1e-4));
         const double k = net.springs[0].kn, mass = net.mass[0];
         double softest;
         scale(&net, 100, 101, 0);
@@ -75,7 +75,6 @@ TEST(test_weak_springs) {
         assert_int_equal(z.mechanisms, q == 3);
         if (q < 3)
             assert_relative(softest, sqrt(2 * k * weak[q] / (50 * mass)), 1e-4 + 50 * weak[q]);
-        sp_network_free(&net);
     }
 }
 
@@ -88,7 +87,7 @@ TEST(test_weakened) {
         sp_zero_modes z[2];
         double softest[2];
         for (int q = 0; q < 2; q++) {
-            sp_network net = network_of(reference_packing(REFERENCE("packing_N200_p1e-4.txt")));
+            FREED(sp_network) net = network_of(reference_packing(REFERENCE("packing_N200_p1e-4.txt")));
             srand(seed + (unsigned)trial);
             for (int32_t k = 0; k < net.n_springs; k++) {
                 const int lot = rand() % 100;
@@ -97,7 +96,6 @@ TEST(test_weakened) {
                 net.springs[k].kt *= factor;
             }
             z[q] = count_all(&net, &softest[q]);
-            sp_network_free(&net);
         }
         assert_true(z[0].mechanisms > 0);
         assert_int_equal(z[1].total, z[0].total);
@@ -109,16 +107,14 @@ TEST(test_weakened) {
 /* Two of the frequencies of a long row are the ends of a spectrum ten thousand wide; nothing of it is zero. */
 TEST(test_long_row) {
     enum { BALLS = 10000 };
-    sp_network net = network_of(chain_packing(BALLS, 1e-4));
+    FREED(sp_network) net = network_of(chain_packing(BALLS, 1e-4));
     const double omega = 2 * sqrt(net.springs[0].kn / net.mass[0]) * sin(M_PI / (2 * (BALLS + 1)));
     const sp_modes_options o = {.vectors = false};
     const sp_modes_range range = sp_modes_range_lowest(2);
-    sp_modes m = sp_modes_none();
+    FREED(sp_modes) m = sp_modes_none();
     assert_ok(sp_modes_sparse(&net, &o, &range, &m, &err));
     assert_int_equal(m.zero.total, 0);
     assert_relative(m.omega[0], omega, 1e-9);
-    sp_modes_free(&m);
-    sp_network_free(&net);
 }
 
 /* All rows slide: one rigid motion and 14 mechanisms. One column hangs on weak springs besides, and eigensolvers mix
@@ -126,7 +122,7 @@ TEST(test_long_row) {
 TEST(test_mixed) {
     enum { ACROSS = 17, UP = 15 };
     for (int q = 0; q < 3; q += SANITIZED_STEP(3)) {
-        sp_network net = network_of(square_packing(ACROSS, UP, 0));
+        FREED(sp_network) net = network_of(square_packing(ACROSS, UP, 0));
         const double weak = q == 1 ? 1e-9 : 1e-13;
         double softest;
         if (q > 0) {
@@ -140,12 +136,10 @@ TEST(test_mixed) {
         const double wall = net.springs[net.n_springs - 1].kn, mass = net.mass[0];
         if (q > 0)
             assert_relative(softest, sqrt(2 * wall * weak / (UP * mass)), 1e-4);
-        sp_network_free(&net);
     }
     double softest;
-    sp_network net = network_of(square_packing(3, 120, 0));
+    FREED(sp_network) net = network_of(square_packing(3, 120, 0));
     assert_int_equal(count_all(&net, &softest).mechanisms, 119);
-    sp_network_free(&net);
 }
 
 /* Grains that touch all others and nothing else, around the edge of the periodic box. */
@@ -190,7 +184,7 @@ TEST(test_clusters) {
         int spins, rigid, mechanisms;
     } cases[] = {{2, 3, 1, 0, 3, 0}, {3, 3, 1, 3, 6, 0}, {3, 4, 1, 0, 6, 0}, {2, 3, 0.95, 0, 2, 1}};
     for (size_t q = 0; q < sizeof cases / sizeof *cases; q++) {
-        sp_network net = network_of(cluster(cases[q].dim, cases[q].grains, cases[q].apart));
+        FREED(sp_network) net = network_of(cluster(cases[q].dim, cases[q].grains, cases[q].apart));
         sp_zero_modes z;
         assert_ok(sp_zero_modes_count(&net, &z, &err));
         print_message("%d grains in %d dimensions: %d spins, %d rigid, %d mechanisms\n", cases[q].grains, cases[q].dim,
@@ -198,7 +192,6 @@ TEST(test_clusters) {
         assert_int_equal(z.spins, cases[q].spins);
         assert_int_equal(z.rigid, cases[q].rigid);
         assert_int_equal(z.mechanisms, cases[q].mechanisms);
-        sp_network_free(&net);
     }
 }
 
@@ -209,7 +202,7 @@ TEST(test_null_motions) {
     for (size_t q = 0; q < 3; q++) {
         const sp_network *net = &nets[q];
         const size_t n = (size_t)sp_network_dofs(net);
-        sp_null_motions z = {0};
+        FREED(sp_null_motions) z = {0};
         assert_ok(sp_null_motions_make(net, &z, &err));
         const int64_t count = z.spins + z.rigid;
         assert_true(count > 0 || q == 0);
@@ -232,14 +225,13 @@ TEST(test_null_motions) {
         }
         sp_free(u);
         sp_free(e);
-        sp_null_motions_free(&z);
         sp_network_free(&nets[q]);
     }
 }
 
 /* What lies on neither side of the limit is refused. */
 TEST(test_undecided) {
-    sp_network net = network_of(chain_packing(5, 1e-4));
+    FREED(sp_network) net = network_of(chain_packing(5, 1e-4));
     const double limit = sp_zero_limit(&net);
     int64_t zeros = -1;
     const sp_ritz good[] = {{0, 1e-3 * limit, 0, 1e-3 * limit},
@@ -254,7 +246,6 @@ TEST(test_undecided) {
     net.prestress = true;
     const sp_ritz below[] = {{-1000 * sp_zero_limit(&net), sp_zero_limit(&net), 0, 0}};
     assert_fails(sp_zeros_count(&net, 1, below, 0, &zeros, &err), SP_EREFUSED, "");
-    sp_network_free(&net);
 }
 
 TEST(test_bad_input) {
@@ -262,7 +253,7 @@ TEST(test_bad_input) {
     sp_modes m = sp_modes_none();
     for (int q = 0; q < 2; q++) { /* by the dense solver, and by the sparse one: 23 x 10 has 460 */
         const int across = q ? 23 : 5, up = q ? 10 : 15;
-        sp_network net = network_of(square_packing(across, up, 0));
+        FREED(sp_network) net = network_of(square_packing(across, up, 0));
         const int64_t most = 2 * across * up - up;
         sp_modes_range range = sp_modes_range_lowest(most);
         assert_ok(sp_modes_sparse(&net, &o, &range, &m, &err));
@@ -275,15 +266,13 @@ TEST(test_bad_input) {
         range.zero = true;
         assert_fails(sp_modes_make(&net, &o, &range, &m, &err), SP_EINVAL, "");
         assert_null(m.omega);
-        sp_network_free(&net);
     }
 }
 
 TEST(test_no_memory) {
-    sp_network net = network_of(square_packing(7, 5, 0));
+    FREED(sp_network) net = network_of(square_packing(7, 5, 0));
     sp_zero_modes z = {.total = -7};
     EACH_ALLOCATION_FAILS(20, sp_zero_modes_count(&net, &z, &err), assert_int_equal(z.total, lacks ? -7 : 5));
-    sp_network_free(&net);
 }
 
 RUN_TESTS(NULL, NULL)
