@@ -40,11 +40,13 @@ def make_files(command):
 
 
 def make_linear(path):
-    """Two grains with masses and stiffnesses of their own."""
+    """Two grains with masses and stiffnesses of their own, the first frame of a series."""
     import sonopack
+    from sonopack.formats.frames import Series
     contacts = {"i": [0, 1, 0], "j": [1, sonopack.TOP, sonopack.BOTTOM], "kn": [1] * 3, "kt": [1] * 3, "overlap": [1e-4] * 3}
-    sonopack.Packing.from_arrays([[1, 0.5], [1, 1.5]], [0.5, 0.5], contacts, box=(3, 2), pressure=1e-4, friction=0.5,
-                                 mass=[1, 2], inertia=[1, 2]).save(str(path))
+    packing = sonopack.Packing.from_arrays([[1, 0.5], [1, 1.5]], [0.5, 0.5], contacts, box=(3, 2), pressure=1e-4, friction=0.5,
+                                           mass=[1, 2], inertia=[1, 2])
+    Series().add(packing, 0).save(str(path))
 
 
 def letters(file):

@@ -31,7 +31,7 @@ class Contacts:
         motion = net.motion.astype(float)
         rows = [np.einsum("ca,can->cn", self.normal, motion[:, :self.dim])]
         if self.turns:
-            rows += [*np.einsum("cab,cbn->acn", net.slip.astype(float), motion)]
+            rows += [*np.einsum("cxb,cbn->xcn", net.slip.astype(float), motion)]
         self.b = np.concatenate(rows) / np.where(np.array(net.axes) < 3, 1, self.radius[self.alive, None]).ravel()
 
     def rigid_motions(self):
