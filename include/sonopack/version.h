@@ -4,7 +4,7 @@
 
 #include <sonopack/visibility.h>
 
-#define SONOPACK_VERSION "0.11.0"
+#define SONOPACK_VERSION "0.12.0"
 /* Increased whenever the same scene and seed would give other numbers; part of a sample's name. */
 #define SONOPACK_ALGORITHM 8
 
