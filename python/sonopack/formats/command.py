@@ -298,7 +298,8 @@ def _take_material(job: _Job, packing: Packing) -> Packing:
         packing = packing.of_material(a.material)
     d = packing.material.diameter
     if packing.material.young > 0 and not 1e-7 <= d <= 0.1:
-        note(a, f"warning: material.d = {d:g} m: the diameter of the grains is in metres")
+        note(a, f"warning: material.d = {d:g} m: the diameter of the grains is in metres (--length-unit 1e-3 if those of the "
+                "file are millimetres)")
     return packing
 
 

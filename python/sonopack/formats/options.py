@@ -73,6 +73,7 @@ def read_key(name: str, value: str) -> Any:
         good, rule = value in allowed, f"{', '.join(allowed[:-1])} or {allowed[-1]}".removeprefix(" or ")
     else:
         good, rule = allowed[0] <= found <= allowed[1], "a finite number" + " >= 0" * (allowed[0] == 0)
+        rule += ", in the units of the file" * (name not in ("friction", "poisson"))
     if not good:
         raise bad_option(f" = '{value:.60}': must be {rule}", name)
     return int(value) if name == "first_id" else value if isinstance(allowed[0], str) else found
@@ -99,7 +100,7 @@ def keys_of(values: Mapping[str, Any]) -> dict[str, Any]:
 
 OF_GRAINS = {
     "id": "id ID Id c_sp_wall[3]", "type": "type matId species info mol element", "x": "x xu xs xsu X",
-    "y": "y yu ys ysu Y", "z": "z zu zs zsu Z", "radius": "radius r R rad Radius", "diameter": "diameter d D",
+    "y": "y yu ys ysu Y", "z": "z zu zs zsu Z", "radius": "radius r R rad Radius", "diameter": "diameter d D Diameter",
     "mass": "mass m masses", "inertia": "inertia", "density": "density", "boundary": "boundary",
     **{side: "" for side in (*SIDES, *RINGS)}}
 OF_CONTACTS = {
@@ -132,12 +133,14 @@ class Roles:
 
     def find(self, sheet: Sheet, role: str) -> Column | None:
         """The column of a role; None: there is none."""
+        bare = [re.sub(r"\s*[(\[][^\d)\]]+[)\]]$", "", name) for name in sheet.names]  # "x (mm)"
         if role in self.named:
             name, sign = self.named[role]
             if name in sheet.names:
                 self.used.add(role)
                 return sheet.names.index(name), sign
-        return next(((sheet.names.index(name), 1.0) for name in _USUAL[role].split() if name in sheet.names), None)
+        return next(((names.index(name), 1.0) for names in (sheet.names, bare) for name in _USUAL[role].split()
+                     if name in names), None)
 
     def need(self, sheet: Sheet, role: str) -> Column:
         """The column of a role, which must be there."""

@@ -250,8 +250,9 @@ def _speeds(traces: Sequence[Trace], found: Sequence[Any], pulse: int) -> dict[s
     for k, name in enumerate(WAYS):
         fit = line(distance, found, k, distance[pulse] if name == "t_xcorr" else math.nan)
         if fit and (name != "t_xcorr" or math.isfinite(distance[pulse])):
-            said[f"speed_{name.removeprefix('t_')}"] = (f"{fit.speed * factor:.8g} {unit}, error {fit.error * factor:.3g}, chi^2 "
-                                                        f"{fit.chi2:.3g} of {fit.freedom}, time at distance 0 {fit.start:.6g}")
+            misfit = f"chi^2 {fit.chi2:.3g} of {fit.freedom} degrees of freedom, " if fit.freedom else ""
+            said[f"speed_{name.removeprefix('t_')}"] = (f"{fit.speed * factor:.8g} {unit}, error {fit.error * factor:.3g}, {misfit}"
+                                                        f"time at distance 0 {fit.start:.6g}{'' if _is_own(traces) else ' us'}")
     return said
 
 

@@ -209,6 +209,7 @@ FILES = {  # name: text, channels
                     + rows("{:.8f};{:.5f};{:.5f}\n", T * 1e3, A * 1e3, B * 1e3).replace(".", ","), ["Channel A", "Channel B"]),
     "pico.csv": ("Zeit;Kanal A;Kanal B\n(µs);(V);(mV)\n\n" + rows("{:.8f};{:.5f};{:.5f}\n", T * 1e6, A, B * 1e3).replace(".", ","),
                  ["Kanal A", "Kanal B"]),
+    "din.csv": ("t / µs\tU/V\n" + rows("{:.8f}\t{:.5f}\n", T * 1e6, A).replace(".", ","), ["U/V"]),
     "hantek.tsv": ("nr\ttime(s)\tch1\tch2\n" + rows("{}\t{:.7f}\t{}\t{}\n", range(N), T, A, B), ["ch1", "ch2"]),
     "plain.txt": (rows("{:.2f} {} {}\n", T * 1e6, A, B).replace(".", ","), ["c2", "c3"])}
 
