@@ -69,14 +69,14 @@ def parser() -> Parser:
              "overlap: all pairs that overlap")
     add = p.add_argument_group("Packings of other programs").add_argument
     unit, stiff = number(1e-30, 1e30), number(1e-300, 1e300)
-    add("--from", dest="form", choices=forms.FORMS, default="auto", help="form of IN (auto)")
+    add("--from", dest="form", choices=forms.FORMS, default="auto", help="form of IN (by its content)")
     add("--walls", metavar="FILE|overlap|balance|none",
         help="contacts with the walls (those that IN has, else overlap)")
     add("--columns", metavar="ROLE=NAME,...", help="columns of IN and its contacts, as in id1=c_1[1],ft_x=c_2[5]")
     add("--types", metavar="T,...", help="only grains of these types")
     add("--frame", metavar="N|LOW:HIGH|all", type=_frames,
         help="frame or time step N (the last); several: OUT-N for each")
-    add("--length-unit", metavar="L", type=unit, help="length unit of IN over that of the material (1)")
+    add("--length-unit", metavar="L", type=unit, help="length unit of IN over that of the material, 1e-3 for mm (1)")
     add("--force-unit", metavar="F", type=unit, help="the same for forces")
     add("--mass-unit", metavar="M", type=unit, help="the same for masses")
     add("--kn", metavar="K", type=stiff,
