@@ -267,8 +267,9 @@ def _read(job: _Job) -> Packing:
     a = job.a
     if job.foreign:
         given = {name: getattr(a, name) for name in (*_IMPORT, "contacts") if getattr(a, name) is not None}
-        packing, report = formats.load(str(job.source), Options(
-            a.form, material=a.material, threads=a.threads or cores(), keys=read_keys(a.set), **given))
+        options = Options(a.form, material=a.material, threads=a.threads or cores(), **given)
+        options.keys = read_keys(a.set, options)
+        packing, report = formats.load(str(job.source), options)
         for line in report.lines(str(job.source)):
             note(a, line)
         return packing

@@ -144,6 +144,19 @@ def test_beads_in_si():
     refused("length-unit", "lammps/beads_grains.dump", **words, material=Material(1e9, 0.22, 2500.0, 1.0))
 
 
+def test_si_in_keys(write):
+    """Keys with SI units are those in the units of the file: here mm, N and kg."""
+    path = write("mm.csv", "x,y,diameter\n0.5,0.5,1\n1.499,0.5,1\n")
+    words = {"length_unit": 1e-3, "contacts": "overlap", "digits": "exact", "width": 5}
+    glass = {"material": Material(70e9, 0.22, 2500.0, 0.0)}
+    p = read(path, **words, **glass, pressure="100 kPa", bottom="-1 mm", top="0.2 cm", gravity="9.81 m/s^2")
+    q = read(path, **words, **glass, pressure=0.1, bottom=-1, top=2, gravity=9.81)
+    assert p.height == q.height == pytest.approx(3, rel=1e-14) and p.gravity == pytest.approx(9.81 * 2500e-3 / (70e9 / (1 - 0.22**2)), rel=1e-12)
+    assert p.pressure == pytest.approx(1e5 / (70e9 / (1 - 0.22**2)), rel=1e-14) and (q.pressure, q.gravity) == pytest.approx((p.pressure, p.gravity))
+    refused("pressure '100 kPA' units file SI", path, **words, **glass, pressure="100 kPA")
+    refused("pressure '100 kPa' units file", path, **words, pressure="100 kPa")  # without a material
+
+
 def test_digits(layer, write):
     """Overlaps of six digits come from the forces; where there are none, they are worth nothing in a wide box."""
     six = read("lammps/layer_grains6.dump", contacts=LAMMPS / "layer_contacts6.dump", types=1)
