@@ -5,6 +5,7 @@ import argparse
 import pathlib
 import shlex
 import subprocess
+import sys
 
 from ._command import Failed, Parser, program
 
@@ -12,7 +13,8 @@ _BEADS = ["material.E=70e9", "material.nu=0.22", "material.rho=2500", "material.
           "packing.width=20", "packing.pressure=100 kPa"]
 #: what is said, and the command
 _STEPS = [
-    ("400 glass beads of 1 mm, compressed to 100 kPa", ["pack", *(word for key in _BEADS for word in ("--set", key)), "-o", "beads.h5"]),
+    ("400 glass beads of 1 mm, compressed to 100 kPa", ["pack", *(word for key in _BEADS for word in ("--set", key)),
+                                                        "--units", "si", "-o", "beads.h5"]),
     ("Moduli in kPa, and the speeds of long waves in m/s", ["moduli", "beads.h5", "--units", "si"]),
     ("A knock at the bottom: the force at the top against time", ["signal", "beads.h5", "--units", "si", "-o", "signal.tsv"]),
     ("When the first front arrives, and how strong it is", ["front", "signal.tsv"]),
@@ -32,10 +34,11 @@ def run(arguments: argparse.Namespace) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for text, words in _STEPS:
         print(f"\n{text}:\n$ sonopack {shlex.join(words)}", flush=True)
-        done = subprocess.run([command, *words, "--quiet", *["--force"] * arguments.force], cwd=folder, stdout=subprocess.PIPE, text=True)
+        done = subprocess.run([command, *words, "--quiet", *["--force"] * arguments.force], cwd=folder, text=True,
+                              stdout=None if sys.stdout.isatty() else subprocess.PIPE)  # a terminal gets aligned tables
         if done.returncode != 0:
             raise Failed(f"sonopack {words[0]} failed with status {done.returncode}")
-        for line in done.stdout.splitlines():
+        for line in (done.stdout or "").splitlines():
             if not line.startswith("# ") or line.startswith("# units"):
                 print(f"    {line}")
     print(f"\nOpen {folder / 'beads.html'} in a browser. `sonopack help' lists what else there is.")

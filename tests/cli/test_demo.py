@@ -5,8 +5,10 @@ usage: test_demo.py COMMAND SOURCE_DIR
 import pathlib
 import re
 import shlex
+import subprocess
+import sys
 
-from command import main, run, table
+from command import COMMAND, main, run, table
 
 
 def demo():
@@ -17,6 +19,10 @@ def demo():
     assert [words[0] for words in commands] == ["pack", "moduli", "signal", "front", "plot", "view"]
     own = table(*commands[1], cwd=made)  # a command by itself says what the demo said
     assert own.rows[0] == re.search(r"^    (beads.h5\t.*)$", shown, re.M)[1].split("\t")
+    code = "import pty, sys; sys.exit(pty.spawn(sys.argv[1:]))"
+    on_terminal = subprocess.run([sys.executable, "-c", code, COMMAND, "demo", "-o", "other"], capture_output=True, text=True,
+                                 stdin=subprocess.DEVNULL).stdout
+    assert re.search(r"^beads.h5 +100 ", on_terminal, re.M), on_terminal  # rounded, aligned
     assert "--force" in run("demo", status=1).stderr
     run("demo", "--force", "-o", made)
     (made / "file").touch()

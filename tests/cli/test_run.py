@@ -23,9 +23,10 @@ if [ "$1" = install ]; then for package; do echo "$package" >>"$HERE/installed";
     "rpm": 'for package; do :; done; exec dpkg-query "$package" >/dev/null',
     "dnf": 'echo "dnf $*" >>"$HERE/log"; for package; do echo "$package" >>"$HERE/installed"; done',
     "cpack": ":",
-    "sphinx-build": ":",
     "sudo": 'echo sudo >>"$HERE/log"; exec "$@"',
     "ctest": 'echo "ctest $*" >>"$HERE/log"; echo "100% tests passed, 0 tests failed out of 7"',
+    # as the real one, it reads conf.py in the folder of the pages
+    "sphinx-build": 'cd docs && "$SONOPACK_BUILD/sonopack" help',
     "cmake": """echo "cmake $*" >>"$HERE/log"
 case "$1" in
 --preset)
@@ -57,7 +58,7 @@ class Checkout:
     def __init__(self, folder, installed, system="ID=debian"):
         self.here = pathlib.Path(folder)
         self.tree, self.bin = self.here / "a checkout", self.here / "bin"
-        self.tree.mkdir()
+        (self.tree / "docs").mkdir(parents=True)
         self.bin.mkdir()
         for name in ("run", "CMakePresets.json"):
             shutil.copy(SOURCE / name, self.tree)
@@ -186,7 +187,13 @@ def tests(folder):
     assert log[-1].startswith("ctest --test-dir build/release") and log[-1].split()[-1] == "long|foreign|fuzz", log
 
 
-for test in (usage, bare_machine, failures, other_systems, unknown_system, main_job, moved_checkout, tests):
+def site(folder):
+    box = Checkout(folder, BUILD + TEST)
+    done, log = box.run("docs")
+    assert log[-1] == "sonopack help" and "build/docs/index.html" in done.stderr, (done, log)
+
+
+for test in (usage, bare_machine, failures, other_systems, unknown_system, main_job, moved_checkout, tests, site):
     with tempfile.TemporaryDirectory(prefix="sonopack-run-") as scratch:
         test(scratch)
     print(test.__name__, "ok")

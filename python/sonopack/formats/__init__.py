@@ -53,7 +53,7 @@ def read(path: Path, *, form: str = "auto", material: Material | None = None, **
         options.types = ",".join(map(str, np.atleast_1d(options.types)))
     options.contacts, options.walls = (None if word is None else os.fspath(word)
                                        for word in (options.contacts, options.walls))
-    options.keys = keys_of(words)
+    options.keys = keys_of(words, options)
     packing, report = load(os.fspath(path), options)
     packing.report = report
     return packing

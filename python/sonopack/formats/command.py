@@ -69,14 +69,14 @@ def parser() -> Parser:
              "overlap: all pairs that overlap")
     add = p.add_argument_group("Packings of other programs").add_argument
     unit, stiff = number(1e-30, 1e30), number(1e-300, 1e300)
-    add("--from", dest="form", choices=forms.FORMS, default="auto", help="form of IN (auto)")
+    add("--from", dest="form", choices=forms.FORMS, default="auto", help="form of IN (by its content)")
     add("--walls", metavar="FILE|overlap|balance|none",
         help="contacts with the walls (those that IN has, else overlap)")
     add("--columns", metavar="ROLE=NAME,...", help="columns of IN and its contacts, as in id1=c_1[1],ft_x=c_2[5]")
     add("--types", metavar="T,...", help="only grains of these types")
     add("--frame", metavar="N|LOW:HIGH|all", type=_frames,
         help="frame or time step N (the last); several: OUT-N for each")
-    add("--length-unit", metavar="L", type=unit, help="length unit of IN over that of the material (1)")
+    add("--length-unit", metavar="L", type=unit, help="length unit of IN over that of the material, 1e-3 for mm (1)")
     add("--force-unit", metavar="F", type=unit, help="the same for forces")
     add("--mass-unit", metavar="M", type=unit, help="the same for masses")
     add("--kn", metavar="K", type=stiff,
@@ -267,8 +267,9 @@ def _read(job: _Job) -> Packing:
     a = job.a
     if job.foreign:
         given = {name: getattr(a, name) for name in (*_IMPORT, "contacts") if getattr(a, name) is not None}
-        packing, report = formats.load(str(job.source), Options(
-            a.form, material=a.material, threads=a.threads or cores(), keys=read_keys(a.set), **given))
+        options = Options(a.form, material=a.material, threads=a.threads or cores(), **given)
+        options.keys = read_keys(a.set, options)
+        packing, report = formats.load(str(job.source), options)
         for line in report.lines(str(job.source)):
             note(a, line)
         return packing
@@ -298,7 +299,8 @@ def _take_material(job: _Job, packing: Packing) -> Packing:
         packing = packing.of_material(a.material)
     d = packing.material.diameter
     if packing.material.young > 0 and not 1e-7 <= d <= 0.1:
-        note(a, f"warning: material.d = {d:g} m: the diameter of the grains is in metres")
+        note(a, f"warning: material.d = {d:g} m: the diameter of the grains is in metres (--length-unit 1e-3 if those of the "
+                "file are millimetres)")
     return packing
 
 

@@ -50,7 +50,7 @@ def _form_of_lines(lines: list[str]) -> str:
         return "mercury"
     if any(" atoms" in found or " xlo xhi" in found for found in [found for found in lines if found.strip()][1:40]):
         return "lammps-data"
-    cells = [cell.strip() for cell in line.split(",")]
+    cells = [cell.strip() for cell in line.split(";" if ";" in line else ",")]
     if len(cells) > 1:
         return "photoelastic" if {"frame", "radius", "boundary"} <= set(cells) else "csv"
     words = line.split()

@@ -164,7 +164,7 @@ def _check_diameter(w: Work, mean: float, d: float) -> None:
     if w.o.material is None:
         raise bad_option(f"{w.path}: the mean diameter is {mean:.4g}; must be 0.2 .. 5, since lengths are in mean "
                          "diameters, or the file's units must be given: --material E=...,nu=...,rho=... for metres, "
-                         "pascals and kg/m^3")
+                         "pascals and kg/m^3, with --length-unit 1e-3 for millimetres")
     raise bad_option(f"{w.path}: the mean diameter is {mean:.4g} times the material's d = {d:g}; must be 0.2 .. 5: "
                      "give no d for the file's mean, or correct --length-unit")
 

@@ -7,7 +7,9 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from .._core import SonopackError
 from .._records import Material
+from .._table import quantity
 from ._faults import bad_file, bad_option
 from .sheet import Sheet, number
 
@@ -25,6 +27,7 @@ _KEYS: dict[str, tuple[Any, ...]] = {
     **{key: _POSITIVE for key in (*RINGS, "wall_kn", "wall_modulus")}, **{key: _ANY for key in ("x0", "y0", "z0")},
     **{key: _ANY for key in ("left", "right", "front", "back", "xy", "xz", "yz", "gravity")}, "pressure": _POSITIVE,
     "friction": (0.0, 1e6), "poisson": (0.0, 0.5), "wall": WALLS, "digits": ("exact",), "first_id": ()}
+_DIMENSIONAL = ("width", "depth", "height", *SIDES, *RINGS, "x0", "y0", "z0", "xy", "xz", "yz", "pressure", "gravity")
 #: those that the head of a file may say
 SAID = ("dimension", "cell", "width", "depth", "height", *SIDES, *RINGS, "x0", "y0", "z0", "xy", "xz", "yz", "gravity", "friction", "poisson",
         "wall", "pressure")
@@ -62,44 +65,58 @@ class Options:
         return any(key in self.keys for key in keys)
 
 
-def read_key(name: str, value: str) -> Any:
-    """The value of a key, checked."""
+def _in_file(name: str, value: str, o: Options) -> float:
+    """A number with an SI unit, such as "100 kPa", in the units of the file; NaN if it is none."""
+    unit, size = {"pressure": ("Pa", o.force_unit / o.length_unit**2), "gravity": ("m/s^2", o.force_unit / o.mass_unit)}.get(
+        name, ("m", o.length_unit))
+    try:
+        return quantity(value, unit) / size
+    except SonopackError:
+        return NAN
+
+
+def read_key(name: str, value: str, o: Options | None = None) -> Any:
+    """The value of a key, checked. Where the options o have a material, lengths, pressure and gravity may have SI units."""
     if name not in _KEYS:
         raise bad_option(f"'{name:.60}={value:.60}': must be key=value with one of the keys {', '.join(_KEYS)}")
     allowed, found = _KEYS[name], number(value)
+    si = name in _DIMENSIONAL and o is not None and o.material is not None
+    if si and o is not None and math.isnan(found):
+        found = _in_file(name, value, o)
     if name == "first_id":
         good, rule = bool(re.fullmatch(r"\+?\d{1,18}", value)), "a whole number >= 0"
     elif isinstance(allowed[0], str):
         good, rule = value in allowed, f"{', '.join(allowed[:-1])} or {allowed[-1]}".removeprefix(" or ")
     else:
         good, rule = allowed[0] <= found <= allowed[1], "a finite number" + " >= 0" * (allowed[0] == 0)
+        rule += ", in the units of the file" * (name in _DIMENSIONAL) + " or with an SI unit" * si
     if not good:
         raise bad_option(f" = '{value:.60}': must be {rule}", name)
     return int(value) if name == "first_id" else value if isinstance(allowed[0], str) else found
 
 
-def read_keys(texts: Iterable[str]) -> dict[str, Any]:
-    """The keys of "key=value" or "packing.key=value"."""
+def read_keys(texts: Iterable[str], o: Options | None = None) -> dict[str, Any]:
+    """The keys of "key=value" or "packing.key=value"; o: their units."""
     keys = {}
     for text in texts:
         name, equals, value = text.partition("=")
         name = name.strip().removeprefix("packing.")
         if not equals:
             raise bad_option(f"'{text:.60}': must be key=value with one of the keys {', '.join(_KEYS)}")
-        keys[name] = read_key(name, value.strip().strip('"'))
+        keys[name] = read_key(name, value.strip().strip('"'), o)
     return keys
 
 
-def keys_of(values: Mapping[str, Any]) -> dict[str, Any]:
-    """Keys from Python's values."""
-    return {name: read_key(name, str(value)) for name, value in values.items()}
+def keys_of(values: Mapping[str, Any], o: Options | None = None) -> dict[str, Any]:
+    """Keys from Python's values; o: their units."""
+    return {name: read_key(name, str(value), o) for name, value in values.items()}
 
 
 # ---- columns --------------------------------------------------------------------------------------------------------
 
 OF_GRAINS = {
     "id": "id ID Id c_sp_wall[3]", "type": "type matId species info mol element", "x": "x xu xs xsu X",
-    "y": "y yu ys ysu Y", "z": "z zu zs zsu Z", "radius": "radius r R rad Radius", "diameter": "diameter d D",
+    "y": "y yu ys ysu Y", "z": "z zu zs zsu Z", "radius": "radius r R rad Radius", "diameter": "diameter d D Diameter",
     "mass": "mass m masses", "inertia": "inertia", "density": "density", "boundary": "boundary",
     **{side: "" for side in (*SIDES, *RINGS)}}
 OF_CONTACTS = {
@@ -132,12 +149,14 @@ class Roles:
 
     def find(self, sheet: Sheet, role: str) -> Column | None:
         """The column of a role; None: there is none."""
+        bare = [re.sub(r"\s*[(\[][^\d)\]]+[)\]]$", "", name) for name in sheet.names]  # "x (mm)"
         if role in self.named:
             name, sign = self.named[role]
             if name in sheet.names:
                 self.used.add(role)
                 return sheet.names.index(name), sign
-        return next(((sheet.names.index(name), 1.0) for name in _USUAL[role].split() if name in sheet.names), None)
+        return next(((names.index(name), 1.0) for names in (sheet.names, bare) for name in _USUAL[role].split()
+                     if name in names), None)
 
     def need(self, sheet: Sheet, role: str) -> Column:
         """The column of a role, which must be there."""

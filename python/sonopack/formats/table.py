@@ -17,10 +17,12 @@ def read(path: str, frame: int | None = None) -> Sheet:
         line = at.words()
     if line is None:
         raise bad_file(f"{path}: empty: must have a header row with the names of the columns")
-    sheet = Sheet(path, [], next((mark for mark in ",;\t" if mark in line), " "))
+    sheet = Sheet(path, [], next((mark for mark in ";,\t" if mark in line), " "))
     sheet.names = [cell.strip('"') if cell.startswith('"') else cell for cell in sheet.cells(line)]
     for key, value in re.findall(rb"^[ \t]*#[ \t]*(\w+)[ \t]*=[ \t]*(\S+)", at.text, re.M):
         sheet.said.setdefault(key.decode(), value.decode(errors="replace"))
+    if sheet.separator in ";\t":  # spreadsheets of many countries write decimal commas
+        at.text = re.sub(rb"(?<=\d),(?=\d)", b".", at.text)
     if number(sheet.names[0]) == number(sheet.names[0]):
         at.fail(f"{shown(line)}: a row of numbers; must be a header row with the names of the columns")
     sheet.read(at)

@@ -82,7 +82,9 @@ def find(f: Floats, rise: float = 0.1) -> Floats:
     foot = int(below[-1]) if len(below) else onset
     part = min(0.5, (3 * noise / near[top]) ** (1 / 3))  # a polynomial through more samples has less noise and more bias
     peak, height = vertex(f, top, max(2, int(part * (top - foot))))
-    return np.array([crossing(f, foot, top, rise * height, 0.8 * part), onset, peak, height, width, top - foot])
+    halfway = int(np.argmax(near[foot:top + 1] >= 0.5 * (1 + rise) * near[top]))
+    bent = min(top, foot + 4 * max(1, halfway))  # a step has its maximum far behind its rise
+    return np.array([crossing(f, foot, bent, rise * height, 0.8 * part), onset, peak, height, width, top - foot])
 
 
 def first_peak(f: Floats, noise: float) -> int:

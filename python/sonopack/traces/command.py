@@ -21,10 +21,10 @@ from .read import KINDS, MICROSECONDS, OWN_TIME, Form, Trace, read
 from .transfer import Response, against, transfer
 
 _ABOUT = (
-    "Reads traces (text of oscilloscopes with any delimiter and decimals, WAV, SAC, miniSEED, our tables) and prints for each "
-    "when the first front arrives, by four ways: t10, 10 % of the first peak, as `sonopack front'; t_aic, Akaike's criterion; "
+    "Reads traces (text of oscilloscopes with any delimiter and decimals, WAV, SAC, miniSEED, our tables) and prints when "
+    "the first front of each arrives, in four ways: t10, 10 % of the first peak, as `sonopack front'; t_aic, Akaike's criterion; "
     "t_xcorr, the delay behind the pulse by cross-correlation; t_peak, the first peak. Errors follow from the noise before the "
-    "arrival. Comments have the speed by each way where traces have distances.")
+    "arrival. Comments give the speed in each way where traces have distances.")
 _MORE = """\
 Times are in us, distances in mm, speeds in m/s and frequencies in kHz; of our own tables all are in own units. T is a
 number with or without unit (20us, 1.5ms), as is a frequency (200kHz).
@@ -57,7 +57,7 @@ def parser() -> Parser:
     more.add_argument("--rise", metavar="X", type=number(0.01, 0.9), default=0.1, help="part of the first peak at t10 (0.1)")
     more.add_argument("--pulse", metavar="NAME", help="trace with which others are correlated (the first)")
     more.add_argument("--transfer", metavar="A:B", help="print the transfer function from trace A to B, speeds and Q")
-    more.add_argument("--band", metavar="LOW:HIGH", help="frequencies of --transfer (all that stand out of the noise)")
+    more.add_argument("--band", metavar="LOW:HIGH", help="frequencies of --transfer (all that stand out from the noise)")
     more.add_argument("--against", metavar="SIGNAL", help="fit a computed signal to the first front; print both")
     more.add_argument("--response", metavar="F0:Q|FILE", help="--against: transducers with this resonance, or with the measured pulse "
                                                               "of FILE, such as their signal face to face")
@@ -250,8 +250,9 @@ def _speeds(traces: Sequence[Trace], found: Sequence[Any], pulse: int) -> dict[s
     for k, name in enumerate(WAYS):
         fit = line(distance, found, k, distance[pulse] if name == "t_xcorr" else math.nan)
         if fit and (name != "t_xcorr" or math.isfinite(distance[pulse])):
-            said[f"speed_{name.removeprefix('t_')}"] = (f"{fit.speed * factor:.8g} {unit}, error {fit.error * factor:.3g}, chi^2 "
-                                                        f"{fit.chi2:.3g} of {fit.freedom}, time at distance 0 {fit.start:.6g}")
+            misfit = f"chi^2 {fit.chi2:.3g} of {fit.freedom} degrees of freedom, " if fit.freedom else ""
+            said[f"speed_{name.removeprefix('t_')}"] = (f"{fit.speed * factor:.8g} {unit}, error {fit.error * factor:.3g}, {misfit}"
+                                                        f"time at distance 0 {fit.start:.6g}{'' if _is_own(traces) else ' us'}")
     return said
 
 

@@ -221,6 +221,7 @@ def _title(texts: Sequence[str]) -> tuple[str, str]:
     """Name and unit of a column, of the cells above it, from below: "Time(s)"; "second"; "(ms)" below "Time"."""
     unit = ""
     for text in texts:
+        text = re.sub(r"^(t|time|zeit|temps|tiempo|tempo)\s*/\s*(\S+)$", r"\1 (\2)", text, flags=re.I)
         found = re.search(r"[(\[]\s*([^)\]]+?)\s*[)\]]", text)
         word = _UNITS.get(found[1] if found else text) or _UNITS.get((found[1] if found else text).lower(), "")
         if found and not word and unit:

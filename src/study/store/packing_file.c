@@ -52,7 +52,7 @@ static sp_status fail_source(const char *path, const char *text, sp_error *err) 
                        s->what, s->command, path, s->output);
     return sp_fail(err, SP_EFORMAT,
                    "%s: neither an HDF5 packing nor its text form, whose header is 'N 600 Lx 24 Ly ...': `sonopack "
-                   "convert %s P.h5' reads other programs' files",
+                   "convert %s P.h5' reads other programs' files, and --from FORM those that it does not recognise",
                    path, path);
 }
 

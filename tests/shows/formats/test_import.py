@@ -113,6 +113,23 @@ def test_columns_by_name(layer):
     assert named.hash == layer.hash
 
 
+def test_spreadsheets(layer, write):
+    """Semicolons and decimal commas; names with their units; diameters."""
+    for end, mark in ((".csv", ";"), (".txt", "\t")):
+        rows = [row.split(",") for row in (SAMPLES / "csv/grains.csv").read_text().splitlines()]
+        names = ["id", "x (mm)", "y [mm]", "Diameter (mm)"]
+        columns = [rows[0].index(name) for name in ("id", "x", "y", "radius")]
+        body = [[row[k] if k < columns[3] else repr(2 * float(row[k])) for k in columns] for row in rows[1:]]
+        path = write(f"sheet{end}", "\ufeff" + "\r\n".join(mark.join(row).replace(".", ",") for row in [names, *body]) + "\r\n")
+        contacts = write(f"list{end}", CSV["contacts"].read_text().replace(",", mark).replace(".", ","))
+        p = read(path, contacts=contacts, walls=CSV["walls"], **CSV_BOX)
+        q = read("csv/grains.csv", **CSV, **CSV_BOX)
+        assert np.array_equal(p.x, q.x) and np.array_equal(p.r, q.r) and np.array_equal(p.contacts["fn"], q.contacts["fn"])
+    refused("radius Durchmesser", write("sheet.csv", "Nr;x;y;Durchmesser\n1;0,5;0,5;1,0\n"))
+    assert read(write("sheet.csv", "Nr;x;y;Durchmesser (mm)\n1;0,5;0,5;1,0\n2;1,499;0,5;1,0\n"), columns="diameter=Durchmesser (mm)",
+                contacts="overlap", digits="exact", width=5, pressure=1e-4).n == 2
+
+
 def test_beads_in_si():
     """Walls of this LAMMPS are 1 + nu times as stiff as elastic ones, and keep their own stiffness."""
     words = {"contacts": LAMMPS / "beads_contacts.dump", "types": 1}
@@ -127,6 +144,19 @@ def test_beads_in_si():
     refused("length-unit", "lammps/beads_grains.dump", **words, material=Material(1e9, 0.22, 2500.0, 1.0))
 
 
+def test_si_in_keys(write):
+    """Keys with SI units are those in the units of the file: here mm, N and kg."""
+    path = write("mm.csv", "x,y,diameter\n0.5,0.5,1\n1.499,0.5,1\n")
+    words = {"length_unit": 1e-3, "contacts": "overlap", "digits": "exact", "width": 5}
+    glass = {"material": Material(70e9, 0.22, 2500.0, 0.0)}
+    p = read(path, **words, **glass, pressure="100 kPa", bottom="-1 mm", top="0.2 cm", gravity="9.81 m/s^2")
+    q = read(path, **words, **glass, pressure=0.1, bottom=-1, top=2, gravity=9.81)
+    assert p.height == q.height == pytest.approx(3, rel=1e-14) and p.gravity == pytest.approx(9.81 * 2500e-3 / (70e9 / (1 - 0.22**2)), rel=1e-12)
+    assert p.pressure == pytest.approx(1e5 / (70e9 / (1 - 0.22**2)), rel=1e-14) and (q.pressure, q.gravity) == pytest.approx((p.pressure, p.gravity))
+    refused("pressure '100 kPA' units file SI", path, **words, **glass, pressure="100 kPA")
+    refused("pressure '100 kPa' units file", path, **words, pressure="100 kPa")  # without a material
+
+
 def test_digits(layer, write):
     """Overlaps of six digits come from the forces; where there are none, they are worth nothing in a wide box."""
     six = read("lammps/layer_grains6.dump", contacts=LAMMPS / "layer_contacts6.dump", types=1)
@@ -138,6 +168,7 @@ def test_digits(layer, write):
         words = {"contacts": "overlap", "sides": "open", "bottom": 0, "top": 5}
         if digits == 6:
             refused("digits %.17g", path, **words)
+            refused("coming to rest", path, **words, rest=True, pressure=1e-20)  # digits do not matter then
         else:
             assert len(read(path, **words).contacts) == 7 + 8
 

@@ -79,6 +79,15 @@ def test_laboratory(computed, noise):
     assert np.all(arrived > 0.8) and np.all(speeds > 0.8)
 
 
+def test_step():
+    """The signal of a pulse generator, a step of a few samples with a noisy top: its edge is where it is, for any noise."""
+    random, t = np.random.default_rng(SEED), np.arange(3000) * 0.1 - 50
+    for noise, long in ((0.002, 0.1), (0.002, 1.0), (0.01, 0.5), (0.03, 2.0)):
+        f = 5 * np.clip((t - 0.03) / long, 0, 1) + 5 * noise * random.normal(size=len(t)) + 0.7
+        one, = arrivals([Trace("lab", "sync", t, f)])
+        assert abs(one.times[0] - 0.03 - 0.1 * long) < 3 * one.errors[0] + 0.05 and one.errors[0] < 0.04 + noise * 3 * long, (noise, one.times[0], one.errors[0])
+
+
 # ---- transfer functions ---------------------------------------------------------------------------------------------
 
 def loss_pair(noise=0.0, q=30.0, way=20):
@@ -209,6 +218,7 @@ FILES = {  # name: text, channels
                     + rows("{:.8f};{:.5f};{:.5f}\n", T * 1e3, A * 1e3, B * 1e3).replace(".", ","), ["Channel A", "Channel B"]),
     "pico.csv": ("Zeit;Kanal A;Kanal B\n(µs);(V);(mV)\n\n" + rows("{:.8f};{:.5f};{:.5f}\n", T * 1e6, A, B * 1e3).replace(".", ","),
                  ["Kanal A", "Kanal B"]),
+    "din.csv": ("t / µs\tU/V\n" + rows("{:.8f}\t{:.5f}\n", T * 1e6, A).replace(".", ","), ["U/V"]),
     "hantek.tsv": ("nr\ttime(s)\tch1\tch2\n" + rows("{}\t{:.7f}\t{}\t{}\n", range(N), T, A, B), ["ch1", "ch2"]),
     "plain.txt": (rows("{:.2f} {} {}\n", T * 1e6, A, B).replace(".", ","), ["c2", "c3"])}
 
