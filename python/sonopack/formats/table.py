@@ -21,7 +21,7 @@ def read(path: str, frame: int | None = None) -> Sheet:
     sheet.names = [cell.strip('"') if cell.startswith('"') else cell for cell in sheet.cells(line)]
     for key, value in re.findall(rb"^[ \t]*#[ \t]*(\w+)[ \t]*=[ \t]*(\S+)", at.text, re.M):
         sheet.said.setdefault(key.decode(), value.decode(errors="replace"))
-    if sheet.separator in ";\t":  # spreadsheets of many countries write decimal commas
+    if sheet.separator in ";\t" and not re.search(rb"\d\.\d", at.text):  # spreadsheets of many countries write decimal commas
         at.text = re.sub(rb"(?<=\d),(?=\d)", b".", at.text)
     if number(sheet.names[0]) == number(sheet.names[0]):
         at.fail(f"{shown(line)}: a row of numbers; must be a header row with the names of the columns")
