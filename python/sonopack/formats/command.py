@@ -277,7 +277,8 @@ def _read(job: _Job) -> Packing:
         keys = dict(text.partition("=")[::2] for text in a.set)
         return Packing.read_tables(str(job.grains), str(job.contacts), keys)
     if a.set:
-        raise usage(f"--set {a.set[0]:.60}: applies only to tables; {job.source} has its own values")
+        raise usage(f"--set {a.set[0]:.60}: applies only to tables and files of other programs; {job.source} is a packing of "
+                    "sonopack's, or its form is not recognised: see --from")
     return Packing.read(job.source)
 
 

@@ -237,8 +237,9 @@ def _arrivals(arguments: argparse.Namespace, traces: Sequence[Trace]) -> Table:
         if math.isnan(one.times[0]):
             note(arguments, f"{trace.name}: noise is {one.noise / one.amplitude:.2g} of the first peak, too much for t10: --filter "
                             "or a larger --rise")
-        if -trace.f.min() + one.offset > 1.5 * (trace.f.max() - one.offset):
-            note(arguments, f"{trace.name}: its troughs exceed its peaks: F=-{trace.channel} turns it")
+        before = trace.f[trace.t < one.times[3]]
+        if one.offset - before.min(initial=math.inf) > 0.5 * one.amplitude + 5 * one.noise:
+            note(arguments, f"{trace.name}: falls before its first peak: if its sign is wrong, F=-{trace.channel} turns it")
     return Table.from_columns(columns, units, _speeds(traces, found, pulse))
 
 

@@ -308,6 +308,10 @@ def test_command(tmp_path, sonopack):
     (tmp_path / "m.csv").write_text("t(us),F(N)\n" + rows("{},{}\n", own["t"] * 0.2 + 10, own["F"] + 1e-9 * np.sin(np.arange(own.rows) ** 2)))
     sonopack("trace", "m.csv", "--trigger", "10us", "--against", "one.tsv", "--material", GLASS, "-o", "fit.tsv", "-q")
     assert Table.read(tmp_path / "fit.tsv").number("E*") == pytest.approx(2500 * (1e-3 / 0.2e-6) ** 2, rel=1e-3)
+    k = np.arange(400)
+    (tmp_path / "sign.csv").write_text("t(us),F\n" + rows("{},{}\n", k, np.exp(-((k - 200) / 20) ** 2) - 0.6 * np.exp(-((k - 260) / 20) ** 2)))
+    for column, told in (("F=2", False), ("F=-2", True)):
+        assert ("F=-" in sonopack("trace", "sign.csv", "--columns", f"t=1,{column}", "-o", f"{column}.tsv").stderr) == told
     for words in (["--distance", "1"], ["--pulse", "CH3"], ["--window", "3:1"], ["--band", "1:2"], ["--filter", "1:9MHz"],
                   ["--columns", "x=1"], ["--set", "a=1"], ["--units", "si"]):
         assert sonopack("trace", "s.csv", *words, status=2).stderr.startswith("sonopack: ")
