@@ -223,7 +223,7 @@ def _leave_out_attractions(w: Work, links: Links) -> Links:
     bad = links.fn < 0
     if bad.any():
         w.note(f"{int(bad.sum())} contacts with a normal force below 0 are left out, of up to "
-               f"{-links.fn.min() / links.fn[~bad].mean():.2g} of the mean force")
+               f"{-links.fn.min() / np.abs(links.fn).mean():.2g} of the mean force")
     return links[~bad]
 
 
@@ -233,7 +233,7 @@ def _average_twins(w: Work, links: Links, twin: Mask) -> None:
     first = second - 1
     apart = links.fn[second] - links.fn[first]
     w.note(f"{len(second)} contacts are measured in both disks: the mean is taken, from which they differ by "
-           f"{0.5 * math.sqrt(float((apart**2).mean())) / float(links.fn.mean()):.2g} of the mean force (rms)")
+           f"{0.5 * math.sqrt((apart**2).mean()) / (float(links.fn.mean()) or 1.0):.2g} of the mean force (rms)")
     for values in (links.fn, links.ft):
         values[first] = values[second] = 0.5 * (values[first] + values[second])
 
@@ -244,16 +244,16 @@ def _remove_twins(w: Work, listed: _List, links: Links) -> Links:
     twin = np.zeros(len(links), bool)
     twin[1:] = (links.i[1:] == links.i[:-1]) & (links.j[1:] == links.j[:-1])
     first = np.maximum.accumulate(np.where(twin, 0, np.arange(len(links))))
-    measured = w.form == "photoelastic" and not (twin[1:] & twin[:-1]).any()
-    if measured and twin.any():
-        _average_twins(w, links, twin)
+    measured = twin & (links.j >= 0) & (w.form == "photoelastic" and not (twin[1:] & twin[:-1]).any())
+    if measured.any():
+        _average_twins(w, links, measured)
     known = links.fn[first]
     bad = np.flatnonzero(twin & ~(np.abs(links.fn - known) <= 1e-5 * np.abs(known)) & ~np.isnan(links.fn))
     if len(bad):
         raise bad_file(f"{listed.where(links, bad[0])}: {_pair_text(w, links, bad[0])} touch already in line "
                        f"{listed.sheet.line(int(links.row[first[bad[0]]]))}, with another force")
-    if twin.any() and not measured:
-        w.note(f"{int(twin.sum())} contacts are listed twice, with the same force: taken once")
+    if (twin & ~measured).any():
+        w.note(f"{int((twin & ~measured).sum())} contacts are listed twice, with the same force: taken once")
     return links[~twin]
 
 

@@ -214,6 +214,16 @@ def test_forces_of_both_disks(write):
     assert "of up to 0.0" in said(p) and "differ by 0.1" in said(p)
 
 
+@pytest.mark.filterwarnings("error")
+def test_forces_that_are_none(write):
+    """A wall is no disk that measures again; of forces that are all 0, or all below it, no packing is made."""
+    rows = [f"1,{i},{j}" for i, j in ((1, 2), (2, 1), (3, 4), (4, 3))]
+    for forces, words in (([0] * 4, "no force"), ([-1] * 4, "no force"), ([1, 1, 1, 1], "touch already in line")):
+        walls = ["1,3,bottom,0,1", "1,3,bottom,0,1.5"] if forces[0] > 0 else []
+        table = "\n".join(["frame,id1,id2,Ft,Fn", *(f"{row},0,{f}" for row, f in zip(rows, forces)), *walls]) + "\n"
+        refused(words, "photoelastic/particles.csv", **{**DISKS, "contacts": write("none.csv", table)})
+
+
 def test_lammps_cells():
     """The pressure that LAMMPS printed is the mean of the normal stresses."""
     for name in ("sheared_grains.dump", "sheared.data"):
