@@ -253,6 +253,9 @@ class Packing(_core.Drawn, _fields.Packing):
     def set_series(self, frame: float, strain: Mapping[str, float]) -> None:
         """Gives the packing a place in a series: the number of its frame, or its time, and the strain of its cell, such as
         {"e_yy": 0.01}. Files keep them, and tables of commands have them as columns."""
+        for name, value in {"frame": frame, **strain}.items():
+            if name not in ("frame", *STRAINS) or math.isinf(value):
+                raise _core.invalid(name, f"{value}: must be finite, and a strain one of {' '.join(STRAINS)}")
         _core.set_fields(self._c, {"frame": float(frame)})
         for axis, name in enumerate(STRAINS):
             self._c.strain[axis] = strain.get(name, math.nan)

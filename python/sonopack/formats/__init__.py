@@ -140,14 +140,13 @@ def is_foreign(path: str) -> bool:
 def series(path: Path, **words: Any) -> Iterator[Packing]:
     """The packings of all frames of a file, or of the files of a folder or a pattern in the order of their names.
     words: as of read(); contacts may be a file with the same frames, or a pattern with as many files. Each packing has its
-    frame, and the strain of its cell since the first."""
+    frame, and the strain of its cell since the first; those of ours that have them keep them."""
     name, together = os.fspath(path), Series()
     files = sorted(glob.glob(os.path.join(name, "*") if os.path.isdir(name) else name)) or [name]
     if len(files) == 1 and not os.path.isdir(name):
         frames: list[int | None] = [*frames_of(files[0], words.get("form", "auto"))]
         for frame in frames or [None]:
-            p = Packing.read(files[0], **{**words, "frame": frame})
-            yield p if frame is None else together.add(p, frame)
+            yield together.add(Packing.read(files[0], **{**words, **({} if frame is None else {"frame": frame})}), frame)
         return
     lists = sorted(glob.glob(os.fspath(words.get("contacts") or "")))
     if len(lists) > 1 and len(lists) != len(files):

@@ -22,8 +22,11 @@ class Series:
         self._first: Floats | None = None
         self._last = np.zeros((3, 3))
 
-    def add(self, p: Packing, frame: float) -> Packing:
-        """The packing of a frame. The tilt of a lattice is known but for whole vectors: that nearest to the last frame's is taken."""
+    def add(self, p: Packing, frame: float | None) -> Packing:
+        """The packing of a frame, unless it has one already. The tilt of a lattice is known but for whole vectors: the one
+        nearest to that of the last frame is taken."""
+        if frame is None or not np.isnan(p.frame):
+            return p
         cell = _lattice(p)
         if self._first is None:
             self._first = self._last = cell
@@ -32,7 +35,7 @@ class Series:
                 cell[:, b] -= cell[:, a] * np.rint(cell[a, b] / cell[a, a] - self._last[a, b] / self._last[a, a])
         self._last = cell
         change = cell @ np.linalg.inv(self._first)
-        strain = {f"e_{axis}{axis}": 0.0 - float(np.log(change[a, a])) for a, axis in enumerate("xyz"[:p.dim])}
+        strain = {f"e_{axis}{axis}": 0.0 - float(np.log(cell[a, a] / self._first[a, a])) for a, axis in enumerate("xyz"[:p.dim])}
         if p.cell == "periodic":
             strain |= {f"e_{'xyz'[a]}{'xyz'[b]}": 0.0 - float(change[a, b]) for a in range(p.dim) for b in range(a + 1, p.dim)}
         p.set_series(frame, strain)

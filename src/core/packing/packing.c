@@ -108,6 +108,14 @@ static sp_status check_cell(const sp_packing *p, sp_error *err) {
     return SP_OK;
 }
 
+static sp_status check_series(const sp_packing *p, sp_error *err) {
+    bool infinite = isinf(p->frame);
+    for (int k = 0; k < SP_SERIES_STRAINS; k++)
+        infinite = infinite || isinf(p->strain[k]);
+    return infinite ? sp_fail(err, SP_EFORMAT, "frame %g, or a strain since the first: must be finite", p->frame)
+                    : SP_OK;
+}
+
 static sp_status check_globals(const sp_packing *p, sp_error *err) {
     if (p->dim < 1 || p->dim > 3)
         return sp_fail(err, SP_EFORMAT, "dimension %d: must be 1, 2 or 3", p->dim);
@@ -129,6 +137,8 @@ static sp_status check_globals(const sp_packing *p, sp_error *err) {
     if (!p->mass != !p->inertia)
         return sp_fail(err, SP_EFORMAT, "masses and moments of inertia: must be given both, or neither");
     sp_status status = check_cell(p, err);
+    if (status == SP_OK)
+        status = check_series(p, err);
     return status == SP_OK && p->material.young != 0 ? sp_material_check(&p->material, err) : status;
 }
 

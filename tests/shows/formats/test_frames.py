@@ -5,7 +5,7 @@ import pickle
 import numpy as np
 import pytest
 
-from sonopack import Packing, Scene
+from sonopack import Packing, Scene, SonopackError
 from sonopack import formats
 from sonopack.formats import command, frames
 from test_rings import sonopack
@@ -94,6 +94,31 @@ def test_files_keep_them(first, tmp_path, ending):
     assert pickle.loads(pickle.dumps(q)).strain == q.strain
     q.set_series(math.nan, {})
     assert save(q, "again").read_bytes() == save(first, "plain").read_bytes()
+
+
+def test_a_series_of_ours(files, first, tmp_path):
+    """Packings that have frames and strains keep them; of a single one without it has none."""
+    for path in files:
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    for p, step in zip(formats.series(tmp_path), FRAMES):
+        assert p.frame == step and p.strain == pytest.approx(expected(step), abs=1e-12) and p.strain["e_xx"] == 0
+    first.save(tmp_path / "one.h5")
+    assert [math.isnan(p.frame) for p in formats.series(tmp_path / "one.h5")] == [True]
+
+
+@pytest.mark.parametrize("frame, strain, words", [(math.inf, {}, "frame: inf"), (1, {"e_yy": -math.inf}, "e_yy: -inf"),
+                                                  (1, {"exx": 0.1}, "exx: 0.1: .* one of e_xx e_yy")])
+def test_refused_places(first, frame, strain, words):
+    with pytest.raises(SonopackError, match=words):
+        pickle.loads(pickle.dumps(first)).set_series(frame, strain)
+
+
+def test_files_of_infinite_frames(first, tmp_path):
+    first.save(tmp_path / "p.h5")
+    p = Packing.read(tmp_path / "p.h5")
+    p._c.strain[1] = math.inf
+    with pytest.raises(SonopackError, match="a strain since the first: must be finite"):
+        p.save(tmp_path / "q.h5")
 
 
 def test_the_first_packing_decides(files, first, tmp_path):
