@@ -123,11 +123,11 @@ SP_API void sp_local_moduli_free(sp_local_moduli *m);
 /* Moduli of the elastic annulus, in the plane, that answers like a packing between two rings. The inner ring grows by a
  * small part of its radius a, and the outer one, of radius b, stays: by Lame's solution the pressures on them rise by
  * 2 (K + G b^2/a^2)/(b^2/a^2 - 1) and 2 (K + G)/(b^2/a^2 - 1) times this part. Or it turns by a small angle: its torque
- * is 4 pi a^2 G/(1 - a^2/b^2) times the angle. Layers of grains at the rings take part, so that K and G differ from
+ * is 4 pi a^2 d G/(1 - a^2/b^2) times the angle. Layers of grains at the rings take part, so that K and G differ from
  * those of the material by a part of about d/a and d/(b - a). */
 typedef struct sp_ring_moduli {
     double p_inner, p_outer; /* pressure on the rings over the growth of the inner one [E*] */
-    double torque;           /* over the angle; 0 if smooth grains or rings let it turn freely [E* d^2] */
+    double torque;           /* over the angle; 0 if smooth grains or rings let it turn freely [E* d^3] */
     double bulk, shear;      /* K and G by the growth [E*] */
     double shear_turn;       /* G by the torque; NAN where nothing resists it [E*] */
     double error_bulk, error_shear, error_shear_turn; /* bounds [E*] */
@@ -156,7 +156,7 @@ typedef struct sp_load {
 typedef struct sp_response {
     int64_t n, springs; /* degrees of freedom; contacts of the network */
     double *u; /* [n] displacements, rotations as in the network; where the packing can move as a whole its centre of
-                  mass stays */
+                  mass stays, between smooth rings its mean angle */
     double *fn,
         *ft; /* [springs] change of the normal force, positive in compression; size of the change of the tangential
                 force. Of a strain with its affine part, of a dipole without the forces that are applied */

@@ -446,7 +446,7 @@ static void add_columns(const arguments *a, int dim, cli_writer *w) {
     } else if (has_parts(a)) {
         local_columns(dim, w);
     } else if (has_rings(a)) {
-        cli_columns(w, SP_COLUMN_NUMBER, "p_inner", "E*", "p_outer", "E*", "torque", "E* d^2", "K", "E*", "K_err", "E*",
+        cli_columns(w, SP_COLUMN_NUMBER, "p_inner", "E*", "p_outer", "E*", "torque", "E* d^3", "K", "E*", "K_err", "E*",
                     "G", "E*", "G_err", "E*", "G_turn", "E*", "G_turn_err", "E*", NULL);
     } else if (has_probes(a)) {
         if (a->probes > 1)
@@ -484,7 +484,8 @@ static sp_status add_rows(void *user, cli_file *file, cli_writer *w) {
     const bool whole = dim > 1 && file->packing.cell != SP_CELL_PISTON;
     sp_statics s;
     w->status = sp_statics_make(&file->packing, file->scene->network.threshold, a->margin, &s, w->err);
-    CLI_THEN(w->status, check_alike(a, dim, whole, w->err));
+    if (!has_rings(a))
+        CLI_THEN(w->status, check_alike(a, dim, whole, w->err));
     if (w->status == SP_OK && a->dim == 0) {
         a->whole = whole;
         a->dim = dim;

@@ -126,6 +126,25 @@ static void hold_mass(const sp_equilibrium *e, double *u) {
     }
 }
 
+/* The same of the turn about the centre of two rings that let the whole turn. */
+static void hold_turn(const sp_network *net, double *u) {
+    double turned = 0, inertia = 0;
+    for (int32_t k = net->n_bulk; k < net->n_springs; k++)
+        if (net->springs[k].kt > 0)
+            return;
+    for (int pass = 0; pass < 2; pass++)
+        for (int32_t i = 0; i < net->n; i++) {
+            const double *x = net->x + 3 * (int64_t)i, *mass = net->mass + (int64_t)i * net->dof;
+            const double turn[3] = {0.5 * net->box[0] - x[1], x[0] - 0.5 * net->box[0], 1};
+            for (int a = 0; a < net->dof; a++) {
+                double *to = u + (int64_t)i * net->dof + a;
+                *to -= pass == 1 ? turned / inertia * turn[a] : 0;
+                turned += pass == 0 ? mass[a] * turn[a] * *to : 0;
+                inertia += pass == 0 ? mass[a] * turn[a] * turn[a] : 0;
+            }
+        }
+}
+
 static sp_status respond(sp_equilibrium *e, const sp_load *load, sp_response *r, sp_error *err) {
     const sp_network *net = e->net;
     const int64_t n = sp_network_dofs(net);
@@ -141,6 +160,8 @@ static sp_status respond(sp_equilibrium *e, const sp_load *load, sp_response *r,
         status = sp_equilibrium_refuse(e, "the response", sp_norm(n, f), f, r->u, err);
     if (status == SP_OK) {
         hold_mass(e, r->u);
+        if (net->cell == SP_CELL_RING)
+            hold_turn(net, r->u);
         r->work = 0.5 * sp_dot(n, f, r->u);
         r->error = error_of(e, f, scale, r->u, rest, size);
         find_forces(net, load, r);

@@ -12,10 +12,10 @@ static const double PI = 3.14159265358979323846;
 
 /* ---- parts of grains --------------------------------------------------------------------------------------------- */
 
-/* Area of a circular segment over r^2, whose chord is `distance` from the centre on the side of the segment. */
-static double segment(double distance, double r) {
-    const double s = fmax(-1, fmin(1, distance / r));
-    return acos(s) - s * sqrt(1 - s * s);
+/* Area of a circular segment over r^2, whose chord has this half length, and is `distance` from the centre on the side
+ * of the segment. */
+static double segment(double distance, double half, double r) {
+    return atan2(half, distance) - distance / r * (half / r);
 }
 
 double sp_disc_in_circle(double away, double r, double circle) {
@@ -23,9 +23,10 @@ double sp_disc_in_circle(double away, double r, double circle) {
         return 0;
     if (away <= fabs(circle - r))
         return circle < r ? circle * circle / (r * r) : 1;
-    /* both arcs end on a chord at this distance from the centre of the circle */
-    const double chord = 0.5 * (away + (circle - r) * (circle + r) / away);
-    return (segment(away - chord, r) + circle * circle / (r * r) * segment(chord, circle)) / PI;
+    /* both arcs end on a chord at these distances from the two centres */
+    const double shift = (circle - r) * (circle + r) / away, chord = 0.5 * (away + shift), near = 0.5 * (away - shift);
+    const double half = sqrt(fmax(0, (r - near) * (r + near)));
+    return (segment(near, half, r) + circle * circle / (r * r) * segment(chord, half, circle)) / PI;
 }
 
 /* A sum over slices along the axis of the cylinder, at r sin(angle). It is not smooth where a slice begins to reach the
@@ -121,7 +122,7 @@ sp_status sp_ring_statics_make(const sp_packing *p, double threshold, sp_ring_st
         sp_packing_moments(p, carrying, true, sum);
         s.s_rr = sum[1][1] / volume;
         s.s_tt = sum[0][0] / volume;
-        s.s_rt = -0.5 * (sum[0][1] + sum[1][0]) / volume;
+        s.s_rt = 0.0 - 0.5 * (sum[0][1] + sum[1][0]) / volume;
         sum_walls(p, carrying, &s);
         *out = s;
     }

@@ -1,13 +1,15 @@
 """Statics, prestress and moduli of packings between two rings, against dense matrices and quadratures of this file, and
 against Lame's solution of the elastic annulus."""
 import math
+import os
+import subprocess
 
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from sonopack import Packing, SonopackError
-from test_rings import INNER, KN, OUTER, Annulus, Dense, sonopack
+from sonopack import Packing, Scene, SonopackError
+from test_rings import INNER, KN, MATERIAL, OUTER, Annulus, Dense, sonopack
 
 MARGIN = 1.5
 
@@ -89,6 +91,11 @@ def test_stresses(twisted, dense):
     assert all_of.s_xx + all_of.s_yy == pytest.approx(s.s_rr + s.s_tt, rel=1e-12)
 
 
+def test_no_contacts(plain):
+    s = Packing.from_arrays(plain.x, plain.r, plain.contacts[:0], box=plain.box, pressure=1e-4, friction=0.5, cell="ring").ring_statics()
+    assert all(math.copysign(1, value) == 1 and value == 0 for value in (s.p_inner, s.t_outer, s.s_rr, s.s_rt))
+
+
 def between(r, away, low, high, ball):
     """Area of a disc, or volume of a ball, between two circles: arcs of circles about the centre of the rings."""
     node, weight = np.polynomial.legendre.leggauss(24)
@@ -121,6 +128,16 @@ def test_bulk(plain):
     here = (np.hypot(*at.T) >= low) & (np.hypot(*at.T) <= high)
     up = ((at * c["n"][:, :2]).sum(axis=1) / np.hypot(*at.T))[here]
     assert s.f2 == pytest.approx((up**2).mean()) and s.n_over_p == pytest.approx(c["fn"][here].mean() / plain.pressure)
+
+
+def test_bulk_of_wide_rings():
+    """A disc on a circle of 8000 diameters: half of it is inside, but for the curve."""
+    r, inner, gap = 0.5, 7990.0, 20.0
+    p = Packing.from_arrays([[2 * inner + gap + 5, inner + gap]], [r], {"i": [0], "j": [-1], "overlap": [1e-9]}, box=(2 * (inner + gap), gap),
+                            pressure=1e-6, friction=0, cell="ring")
+    low, high = inner + 5, inner + gap - 5
+    inside = p.statics(margin=5, threshold=0).phi2 * (high**2 - low**2) / r**2
+    assert inside == pytest.approx(0.5 + r / (3 * math.pi * low), abs=1e-9)
 
 
 # ---- prestress ------------------------------------------------------------------------------------------------------
@@ -177,6 +194,16 @@ def test_smooth_grains_turn_as_a_whole(annulus):
     assert network.modes(lowest=1).zero.total == 1
 
 
+@pytest.mark.parametrize("load, axis", [("strain", 0), ("strain", 2), ("dipole", 0)])
+def test_responses_of_smooth_grains_do_not_turn(annulus, load, axis):
+    """The turn of the whole is free; the one is given whose mean angle stays."""
+    p = packing(annulus, friction=0, contacts={"kt": 0 * annulus.kn})
+    network = p.network()
+    u, x = network.respond(load, 20 * (load == "dipole"), axis).u.reshape(-1, 2), network.x[:, :2] - OUTER
+    around = (x[:, 0] * u[:, 1] - x[:, 1] * u[:, 0]) * network.mass[:, 0]
+    assert abs(around.sum()) < 1e-12 * np.abs(around).sum() != 0
+
+
 @pytest.mark.parametrize("which", ["plain", "twisted"])
 def test_signals_under_prestress(which, request):
     """By the eigenvectors of the dense matrix, which is not symmetric where tangential forces are carried."""
@@ -217,6 +244,18 @@ def test_rings_that_grow_and_turn(twisted, prestress):
     assert 0 < m.error_bulk < 1e-6 * m.bulk and 0 < m.error_shear < 1e-6 * m.shear and 0 < m.error_shear_turn < 1e-6 * m.shear_turn
 
 
+def test_torque_is_a_force_times_a_length(plain):
+    """A layer of larger grains under the same stress, as seen in the same units."""
+    size, c = 3.0, plain.contacts.copy()
+    for name, power in (("overlap", 1), ("fn", 2), ("ft", 2), ("kn", 1), ("kt", 1)):
+        c[name] *= size**power
+    large = Packing.from_arrays(size * plain.x, size * plain.r, c, box=[size * edge for edge in plain.box], pressure=1e-4, friction=0.5,
+                                cell="ring", material=MATERIAL)
+    m = large.network().ring_moduli()
+    assert m.torque == pytest.approx(size**3 * plain.network().ring_moduli().torque, rel=1e-9)
+    assert m.si().torque == pytest.approx(m.torque * 1e9 * MATERIAL.diameter**3, rel=1e-12)  # N m
+
+
 def lattice(inner, outer, kt):
     """Rolling grains of a triangular lattice, of K = sqrt(3)/2 kn and G = sqrt(3)/4 (kn + kt), and the rings near them."""
     rows = int(outer / math.sqrt(0.75)) + 1
@@ -254,6 +293,18 @@ def test_commands(plain, tmp_path):
         for name in ("p_inner", "s_rt", "c22", "bulk", "torque"):
             if hasattr(found, name):
                 assert float(row[{"bulk": "K"}.get(name, name.replace("c22", "C22"))]) == pytest.approx(getattr(found, name), rel=1e-5)
+
+
+def test_after_another_cell(plain, tmp_path):
+    """A packing without rings is refused, and those after it are not."""
+    Packing.make(Scene(packing={"grains": 80, "width": 8, "seed": 3})).save(tmp_path / "piston.h5")
+    plain.save(tmp_path / "p.h5")
+    ran = subprocess.run([os.environ["SONOPACK"], "moduli", "--probe", "rings", "--units", "si", "--material", "E=0.75e9,nu=0.5,rho=1000,d=1e-2",
+                          tmp_path / "piston.h5", tmp_path / "p.h5"], text=True, capture_output=True)
+    rows = [line.split("\t") for line in ran.stdout.splitlines() if not line.startswith("#")]
+    assert ran.returncode == 1 and "must be a ring" in ran.stderr and len(rows) == 2
+    assert "torque [N mm]" in ran.stdout
+    assert float(rows[1][rows[0].index("torque")]) == pytest.approx(1e6 * plain.network().ring_moduli().torque, rel=1e-5)
 
 
 def test_other_cells():
