@@ -287,8 +287,8 @@ void cli_put_numbers(cli_writer *w, int n, const double *number);
 void cli_put_text(cli_writer *w, const char *text);
 void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbols, const void *of);
 void cli_end_row(cli_writer *w);
-/* Whether the table has the place of each packing in a series. */
-bool cli_has_series(const sp_table *t);
+/* Whether the table has no column for the frame of a packing of a series, or for a strain of it. */
+bool cli_lacks_series(const sp_table *t, const sp_packing *p);
 /* A whole row, as sp_table_add_row takes it. Returns the status. */
 sp_status cli_row(cli_writer *w, ...);
 

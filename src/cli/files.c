@@ -95,7 +95,7 @@ static sp_status do_file(const cli_files *command, void *arguments, cli_file *f,
         if (status != SP_OK && command->contents != CLI_PATH && !(command->stop && status == SP_EINVAL))
             sp_fail_prefix(err, "%s", f->path);
     }
-    f->of_series = !isnan(f->packing.frame);
+    f->cut = cli_lacks_series(w->table, &f->packing);
     sp_network_free(&f->network);
     sp_packing_free(&f->packing);
     return status;
@@ -120,8 +120,9 @@ static sp_status do_files(const cli_files *command, void *arguments, const sp_sc
         const int64_t rows = w->table->rows;
         status =
             do_file(command, arguments, &f, plan, &(cli_writer){.table = w->table, .err = &reason, .of = &f.packing});
-        if (rows > 0 && f.of_series && !cli_has_series(w->table))
-            cli_note(common, "%s: its frame is left out: the first packing has none; put it in front", f.path);
+        if (rows > 0 && f.cut)
+            cli_note(common, "%s: its frame or strain is left out: the first packing has none; put it in front",
+                     f.path);
         if (status != SP_OK && command->stop)
             *w->err = reason;
         else if (status != SP_OK)

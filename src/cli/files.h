@@ -50,8 +50,8 @@ typedef struct cli_file {
     const sp_scene *scene; /* of --set, --threshold and --prestress */
     sp_packing packing;
     sp_network network;
-    bool of_series; /* the packing had a place in a series */
-    bool failed;    /* add() may set it after it has reported an error itself: the exit status becomes CLI_FAILED */
+    bool cut;    /* columns for the place of the packing in its series are missing */
+    bool failed; /* add() may set it after it has reported an error itself: the exit status becomes CLI_FAILED */
 } cli_file;
 
 typedef enum cli_file_contents { CLI_PATH = 0, CLI_PACKING, CLI_NETWORK } cli_file_contents;

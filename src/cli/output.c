@@ -329,7 +329,12 @@ void cli_put_quantities(cli_writer *w, const sp_quantity *all, const char *symbo
         cli_put(w, sp_quantity_value(q, of));
 }
 
-bool cli_has_series(const sp_table *t) { return sp_table_find_column(t, "frame") >= 0; }
+bool cli_lacks_series(const sp_table *t, const sp_packing *p) {
+    bool lacks = sp_table_find_column(t, "frame") < 0;
+    for (int k = 0; k < SP_SERIES_STRAINS; k++)
+        lacks = lacks || (!isnan(p->strain[k]) && sp_table_find_column(t, sp_strain_names[k]) < 0);
+    return lacks && !isnan(p->frame);
+}
 
 /* Frame and strain of the packing, if that of the first row has them. */
 static void put_series(cli_writer *w) {
@@ -341,7 +346,7 @@ static void put_series(cli_writer *w) {
             if (!isnan(w->of->strain[k]))
                 cli_columns(w, SP_COLUMN_NUMBER, sp_strain_names[k], "", NULL);
     }
-    if (!cli_has_series(w->table))
+    if (sp_table_find_column(w->table, "frame") < 0)
         return;
     cli_put(w, w->of->frame);
     for (int k = 0; k < SP_SERIES_STRAINS; k++)

@@ -1,6 +1,8 @@
 """Packings of several frames: their numbers and strains go with them, through files, into the tables of commands."""
 import math
+import os
 import pickle
+import subprocess
 
 import numpy as np
 import pytest
@@ -126,6 +128,12 @@ def test_the_first_packing_decides(files, first, tmp_path):
     found = table("statics", files[1], tmp_path / "p.h5")
     assert found["frame"] == ["250", "nan"] and found["e_yy"][1] == "nan"
     assert "frame" not in table("statics", tmp_path / "p.h5", files[1])
+    p = Packing.read(tmp_path / "p.h5")
+    p.set_series(5, {"e_yy": 0.1})
+    p.save(tmp_path / "walls.h5")
+    said = [subprocess.run([os.environ["SONOPACK"], "statics", *order], text=True, capture_output=True).stderr
+            for order in ((tmp_path / "walls.h5", files[1]), (files[1], tmp_path / "walls.h5"))]
+    assert f"{files[1]}: its frame or strain is left out" in said[0] and said[1] == ""
 
 
 def test_fronts_and_other_tables(tmp_path):
