@@ -167,7 +167,8 @@ SP_API double sp_audit_worst(const sp_audit *audit, double tolerance, char *reas
 /* Finds rattlers: grains with fewer than 2 force-carrying contacts (without friction: fewer than dim + 1, or with a
  * weight dim, on which a grain rests), walls included. They are removed repeatedly until none is left. Outputs, either
  * of which may be NULL: rattler[n], and carrying[n_contacts], which tells whether a contact belongs to the force
- * network. threshold: force of a carrying contact over p d^2; usually 1e-4. SP_ENOMEM. */
+ * network. threshold: force of a carrying contact over p d^2; usually 1e-4. SP_EINVAL for nan,
+ * SP_ENOMEM. */
 SP_API sp_status sp_packing_rattlers(const sp_packing *p, double threshold, uint8_t *rattler, uint8_t *carrying,
                                      int32_t *n_rattlers, sp_error *err);
 

@@ -58,7 +58,8 @@ static void add_stress(arguments *a, const cli_file *file, cli_writer *w) {
         if (a->stress == RING)
             cli_quantity_columns(w, sp_ring_statics_quantities, POLAR);
     } else if (cell != SP_CELL_PISTON && a->stress != (cell == SP_CELL_RING ? RING : TENSOR)) {
-        cli_note(&a->common, "%s: its stress tensor is left out: the first packing has %s; put it in front", file->path,
+        cli_note(&a->common, "%s: its %s left out: the first packing has %s; put it in front", file->path,
+                 cell == SP_CELL_RING ? "stresses at the rings are" : "stress tensor is",
                  a->stress == PLAIN  ? "a piston"
                  : a->stress == RING ? "rings"
                                      : "no rings");

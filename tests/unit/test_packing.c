@@ -164,6 +164,7 @@ TEST(test_rattlers) {
             bool loose = got[k->i] || (k->j >= 0 && got[k->j]);
             assert_int_equal(carrying[c], !loose && k->fn > 1e-8);
         }
+        assert_fails(sp_packing_rattlers(&p, NAN, got, carrying, &n, &err), SP_EINVAL, "threshold");
     }
 }
 

@@ -328,6 +328,8 @@ static void list_contacts(const sp_packing *p, const uint8_t *carrying, int32_t 
 
 sp_status sp_packing_rattlers(const sp_packing *p, double threshold, uint8_t *rattler, uint8_t *carrying,
                               int32_t *n_rattlers, sp_error *err) {
+    if (isnan(threshold))
+        return sp_fail_key(err, SP_EINVAL, "threshold", " = nan: must be a number");
     size_t n = (size_t)p->n, contacts = (size_t)p->n_contacts;
     sp_status status = SP_OK;
     uint8_t *out = sp_alloc(n, 1), *carries = sp_alloc(contacts, 1);
