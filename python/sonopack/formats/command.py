@@ -385,6 +385,8 @@ def _note_losses(job: _Job, p: Packing) -> None:
     """Says what a form that only knows grains leaves out."""
     if job.ending in (".dump", ".data", ".xyz") and (p.contacts["kn"] > 0).any():
         note(job.a, f"{job.target}: has no place for the stiffnesses of contacts, which are left out")
+    if job.ending == ".data" and p.mass is not None and p.inertia is not None and not np.allclose(p.inertia, 0.4 * p.mass * p.r**2):
+        note(job.a, f"{job.target}: has no place for moments of inertia: its grains are spheres")
     if job.ending == ".dump":
         walls, wall = ("", "") if p.cell == "periodic" else ("walls and ", f"--set wall={p.wall} ")
         note(job.a, f"{job.target}: has no place for {walls}friction: to read it again, {wall}--set friction="

@@ -177,7 +177,7 @@ def test_xyz_csv_and_mat(packings, tmp_path, name):
     assert np.array_equal(np.atleast_1d(mat["box"]), p.box) and mat["grains_units"]["mass"][()] == "rho d^3"
 
 
-def test_own_law_and_no_contacts(tmp_path):
+def test_own_law_and_no_contacts(tmp_path, sonopack):
     """Stiffnesses and masses of their own go along; a packing without any contact is written all the same."""
     grains, contacts = tmp_path / "g.tsv", tmp_path / "c.tsv"
     grains.write_text("# width = 8\n# height = 2\n# pressure = 1e-4\n# friction = 0.5\nid x y radius mass inertia\n"
@@ -189,6 +189,8 @@ def test_own_law_and_no_contacts(tmp_path):
     bulk, walls = (Vtp(tmp_path / f"o-{part}.vtp").cell for part in ("contacts", "walls"))
     assert [bulk["kn"][0], bulk["kt"][0], walls["kn"][0], walls["kt"][0]] == [0.25, 0.125, 0.5, 0]
     assert near(lammps_data(tmp_path / "o.data")[2][:, 3] * np.pi / 6, [0.7, 0.9]), "density of the mass"
+    p.save(tmp_path / "own.h5")
+    assert "inertia" in sonopack("convert", tmp_path / "own.h5", "again.data").stderr
     contacts.write_text("i j nx ny overlap Fn Ft kn kt\n")
     none = Packing.read_tables(grains, contacts)
     for ending in ("vtp", "data", "dump", "xyz", "csv", "mat"):
