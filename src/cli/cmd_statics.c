@@ -27,9 +27,8 @@ const cli_syntax cmd_statics_syntax = {
 #undef RING_STATICS
         "s12_over_s2 is positive where the grains below push those above towards +x. Stresses are those of the whole "
         "packing, walls included, by contacts above the threshold; tables whose first packing is periodic or a box "
-        "have the tensor. Between two rings vertical is along the radius, +x leads clockwise, and the tensor is on "
-        "polar "
-        "axes, with the stresses at both rings.\n"
+        "have the tensor. Between two rings vertical is along the radius, +x leads clockwise, and the tensor is "
+        "on polar axes, with the stresses at both rings.\n"
         "\n"
         "nan means that the packing is too low to have a bulk (see --margin), or that the quantity is not defined "
         "(s32_over_s2 in two dimensions, mobilised without friction).",
