@@ -18,10 +18,9 @@ static const cli_option options[] = {
 const cli_syntax cmd_check_syntax = {
     .usage = "FILE...",
     .help =
-        "Checks packings: structure, overlaps, contact forces, balance of forces and torques, Coulomb's condition, "
-        "and the force on the walls.\v"
-        "residual is the largest of the relative errors, and reason names the first one above EPS (- if there is "
-        "none). The other columns are the errors themselves:\n"
+        "Checks packings: structure, overlaps, contact forces, balance of forces and torques, Coulomb's condition, and "
+        "the force on the walls.\vresidual is the largest of the relative errors, and reason names the first one above "
+        "EPS (- if there is none). The other columns are the errors themselves:\n"
         "force and torque: the unbalanced force and torque of a grain, over p d^2.\n"
         "walls: the force on a wall against pressure times area.\n"
         "law: normal forces against Hertz's law.\n"

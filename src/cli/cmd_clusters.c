@@ -30,21 +30,15 @@ const cli_syntax cmd_clusters_syntax = {
     .usage = "FILE",
     .help = "Rigid clusters of a packing: grains and contacts that no motion deforms which keeps all contacts.\v"
             "A contact that sticks has 2 bars (3 in three dimensions), one that slides or has no friction has 1. Each "
-            "wall is "
-            "a body. Clusters have the numbers 0, 1, ... by falling numbers of grains; -1 is none. redundant is 1 "
-            "where bars "
-            "may be removed and nothing more can move. Without friction a grain may belong to several clusters, in "
-            "space a contact too, and has the number of the largest.\n"
+            "wall is a body. Clusters have the numbers 0, 1, ... by falling numbers of grains; -1 is none. redundant "
+            "is 1 where bars may be removed and nothing more can move. Without friction a grain may belong to several "
+            "clusters, in space a contact too, and has the number of the largest.\n"
             "\n"
             "Comments: floppy_motions are those that keep all bars, without those of all as one body; redundant_bars "
-            "is how "
-            "many bars may be removed together; spans tells the axes across which a cluster touches both walls, wraps "
-            "those "
-            "whose period its contacts lead around, each of the largest cluster that does, or none; free_spins is the "
-            "number "
-            "of grains that can spin in place, which the game does not see. Rattlers are left out, stiffnesses and "
-            "prestress "
-            "do not matter. --set takes keys of the group network.",
+            "is how many bars may be removed together; spans tells the axes across which a cluster touches both walls, "
+            "wraps those whose period its contacts lead around, each of the largest cluster that does, or none; "
+            "free_spins is the number of grains that can spin in place, which the game does not see. Rattlers are left "
+            "out, stiffnesses and prestress do not matter. --set takes keys of the group network.",
     CLI_ONE_PACKING,
     .options = options};
 

@@ -110,15 +110,14 @@ const cli_syntax cmd_front_syntax = {
     .usage = "FILE...",
     .help =
         "Arrival, peak and width of the first wave front. A FILE is a packing, whose signal is computed, or a "
-        "trace.\v"
-        "The first peak is the first maximum above 0.2 of the largest value that is followed by a fall of at least "
-        "0.01 of that value. t10: first time at which the force reaches a tenth of the peak. t_zero: first zero "
-        "crossing after the peak. width: t_zero - t10. A trace is a table of numbers with columns of times and "
-        "forces. Its comments `# height = H' and `# pressure = P' set the distance and the time window, from 0 to (8 "
-        "H + 40) (P/1e-4)^(-1/6). Without them the whole trace is searched. A table of `sonopack signal' with "
-        "columns F1, F2, ... gives one row for each; the distance of a plane is its height. A speed needs two "
-        "distances: (D2 - D1)/(t10_2 - t10_1). One distance over its time is biased. A unit is shown only if all "
-        "files have the same one.",
+        "trace.\vThe first peak is the first maximum above 0.2 of the largest value that is followed by a fall of at "
+        "least 0.01 of that value. t10: first time at which the force reaches a tenth of the peak. t_zero: first zero "
+        "crossing after the peak. width: t_zero - t10. A trace is a table of numbers with columns of times and forces. "
+        "Its comments `# height = H' and `# pressure = P' set the distance and the time window, from 0 to (8 H + 40) "
+        "(P/1e-4)^(-1/6). Without them the whole trace is searched. A table of `sonopack signal' with columns F1, F2, "
+        "... gives one row for each; the distance of a plane is its height. A speed needs two distances: (D2 - "
+        "D1)/(t10_2 - t10_1). One distance over its time is biased. A unit is shown only if all files have the same "
+        "one.",
     .finds_material = true,
     .options = options,
     .file_name = "packing or trace",

@@ -281,8 +281,7 @@ static sp_status check(void *user, sp_error *err) {
     if (a->zero && a->range.lowest == 0)
         return sp_fail(
             err, SP_EINVAL,
-            "--zero: only with --lowest; --all and a band that begins at 0 have all zero modes, any other band "
-            "none");
+            "--zero: only with --lowest; --all and a band that begins at 0 have all zero modes, any other band none");
     if (a->ranges > 1)
         return sp_fail(err, SP_EINVAL, "--all, --lowest and --band: only one of them may be given, once");
     if (a->solver != SP_SOLVER_AUTO && (a->damping.value > 0 || a->stability))
@@ -333,18 +332,16 @@ const cli_syntax cmd_modes_syntax = {
     .usage = "FILE",
     .help =
         "Eigenfrequencies of the spring network of a packing between fixed walls, and the weight of each mode in the "
-        "signal.\v"
-        "Modes are sorted by omega; among the zero modes those of rattlers come first. The signal is F(t) = sum of ab "
-        "sin(omega t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share of a grain "
-        "in the mode and N the number of grains without rattlers. error is a bound for the error of omega. a, b and "
-        "participation of modes of equal frequencies are not definite. With --prestress and tangential forces at rest "
-        "the table has all motions exp(growth t) (cosine cos(omega t) + sine sin(omega t)), columns n, omega, growth, "
-        "cosine, sine and error, the bound of |growth + i omega - exact|: a complex pair of omega^2 has two rows, "
-        "which grow and decay (at most 6000 degrees of freedom). --lowest K and --band give those that are no "
+        "signal.\vModes are sorted by omega; among the zero modes those of rattlers come first. The signal is F(t) = "
+        "sum of ab sin(omega t) (cos for displacements). participation = (sum w)^2/(N sum w^2), where w is the share "
+        "of a grain in the mode and N the number of grains without rattlers. error is a bound for the error of omega. "
+        "a, b and participation of modes of equal frequencies are not definite. With --prestress and tangential forces "
+        "at rest the table has all motions exp(growth t) (cosine cos(omega t) + sine sin(omega t)), columns n, omega, "
+        "growth, cosine, sine and error, the bound of |growth + i omega - exact|: a complex pair of omega^2 has two "
+        "rows, which grow and decay (at most 6000 degrees of freedom). --lowest K and --band give those that are no "
         "zero motions, of networks of any size, where few lie below; the comment complete says up to which omega none "
-        "is missing. A packing that "
-        "does not touch the bottom (top) wall has no source (detector): a (b) is nan, and a comment says none. --set "
-        "takes keys of the group network.\n"
+        "is missing. A packing that does not touch the bottom (top) wall has no source (detector): a (b) is nan, and a "
+        "comment says none. --set takes keys of the group network.\n"
         "\n"
         "The comments count the zero modes of the packing, whichever modes are printed: zero_modes = rattler_modes + "
         "free_spins (a grain that turns alone, such as a sphere with two contacts) + rigid_motions (grains that hang "

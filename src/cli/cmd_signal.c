@@ -104,19 +104,18 @@ const cli_syntax cmd_signal_syntax = {
     .usage = "FILE",
     .help =
         "Force on the top wall, minus its value at rest, after a short pulse at the bottom wall, from the linear "
-        "equation of motion between fixed walls.\v"
-        "The columns t and F are the response to a pulse of unit strength. Comments give the height, the pressure, "
-        "the method, and a bound for the error of F (with dynamics and with --pulse an estimate, error_kind). The "
-        "command fails rather than exceed the tolerance. --set takes keys of the groups network and signal. -o "
-        "FILE.sac and FILE.slist write for SAC and ObsPy, FILE.mat for MATLAB and Octave.\n"
+        "equation of motion between fixed walls.\vThe columns t and F are the response to a pulse of unit strength. "
+        "Comments give the height, the pressure, the method, and a bound for the error of F (with dynamics and with "
+        "--pulse an estimate, error_kind). The command fails rather than exceed the tolerance. --set takes keys of the "
+        "groups network and signal. -o FILE.sac and FILE.slist write for SAC and ObsPy, FILE.mat for MATLAB and "
+        "Octave.\n"
         "\n"
         "With several sources or detectors there is a column F1, F2, ... for each pair, explained by a comment. A "
         "plane measures the momentum flux through it. part:X0:X1 consists of the grains at the wall whose centres are "
         "at X0 <= x < X1; disc:X:Y:D, in space, of those within D/2 of X, Y: a round transducer. grain:I (from 0) is "
-        "measured by its contact with the wall, or by the net force on it if it "
-        "does not touch the wall. As a source a plane gives unit momentum (impulse), velocity or displacement to each "
-        "grain whose centre is within half a mean diameter of it, and grain:I to a grain that does not touch the "
-        "wall.\n"
+        "measured by its contact with the wall, or by the net force on it if it does not touch the wall. As a source a "
+        "plane gives unit momentum (impulse), velocity or displacement to each grain whose centre is within half a "
+        "mean diameter of it, and grain:I to a grain that does not touch the wall.\n"
         "\n"
         "In a ring the inner wall is the bottom, the outer the top, and plane:Y the circle at Y from the inner one. A "
         "periodic cell has no walls: give --from and --detector as plane:Y or grain:I. A pulse then travels both up "
@@ -127,9 +126,9 @@ const cli_syntax cmd_signal_syntax = {
         "order), faber (polynomial expansion with damping), dynamics (nonlinear motion of the packing), auto (the "
         "fastest of the linear methods).\n"
         "\n"
-        "Pulses: gauss (standard deviation WIDTH) and square have unit integral; ricker and sine (under a Hann "
-        "window) have the angular frequency OMEGA and the amplitude 1. gauss and ricker are centred at t = 0. A file "
-        "has columns of times and strengths, which are interpolated linearly.",
+        "Pulses: gauss (standard deviation WIDTH) and square have unit integral; ricker and sine (under a Hann window) "
+        "have the angular frequency OMEGA and the amplitude 1. gauss and ricker are centred at t = 0. A file has "
+        "columns of times and strengths, which are interpolated linearly.",
     CLI_ONE_PACKING,
     .options = options,
     .springs = true};

@@ -337,8 +337,7 @@ static sp_status (*const tables[])(const arguments *a, cli_file *file,
 static const cli_option options[] = {
     {"method", "auto|exact|kpm|count",
      "dos: all frequencies (exact), kernel polynomials (kpm), or the number of modes in each bin (count) (auto: exact "
-     "up "
-     "to 3000 degrees of freedom, else kpm)",
+     "up to 3000 degrees of freedom, else kpm)",
      CLI_CHOICE, CLI_FIELD(dos.method), .words = dos_methods, .kinds = "dos"},
     {"norm", "grain|one|modes", "dos: modes per grain (without rattlers), unit integral, or numbers of modes (grain)",
      CLI_CHOICE, CLI_FIELD(dos.norm), .words = dos_norms, .kinds = "dos"},

@@ -392,8 +392,7 @@ static const cli_option options[] = {
 const cli_syntax cmd_table_syntax = {
     .usage = "NAME --store DIR [SCENE]",
     .help =
-        "Prints a table of the samples in a store.\v"
-        "ctof: speed of the first front, one row per pressure.\n"
+        "Prints a table of the samples in a store.\vctof: speed of the first front, one row per pressure.\n"
         "scaling: fronts against distance, with speeds and exponents, one row per height, pressure, friction and "
         "width.\n"
         "planes: the same inside packings, one row per plane (and per number of grains).\n"
@@ -411,9 +410,9 @@ const cli_syntax cmd_table_syntax = {
         "study.want, and signal.until.\n"
         "\n"
         "With a SCENE (and --set) only the samples of that scene are used; at least one must be in the store, and "
-        "signal and spectrum have one table for each value of a swept key. A store may hold several ensembles: "
-        "samples that differ in more than pressure and size are not averaged. --width, --grains, --pressure and "
-        "--friction select among them.",
+        "signal and spectrum have one table for each value of a swept key. A store may hold several ensembles: samples "
+        "that differ in more than pressure and size are not averaged. --width, --grains, --pressure and --friction "
+        "select among them.",
     .finds_material = true,
     .options = options,
     .kinds = cli_table_names,

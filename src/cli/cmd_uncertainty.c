@@ -32,8 +32,7 @@ static const cli_option options[] = {
     {"calibration", "SD", "Of all stiffnesses together, relative to them (0)", CLI_NUMBER,
      CLI_FIELD(o.errors.calibration), .high = 2},
     {"mean-one", NULL,
-     "Factors of force, stiffness and calibration have the mean 1 (otherwise the median 1, so the "
-     "mean exp(SD^2/2))",
+     "Factors of force, stiffness and calibration have the mean 1 (otherwise the median 1, so the mean exp(SD^2/2))",
      CLI_FLAG, CLI_FIELD(o.errors.mean_one)},
     {"false", "P", "Probability that a listed contact carries no force (0)", CLI_NUMBER, CLI_FIELD(o.errors.false_part),
      .high = 1},
@@ -82,26 +81,25 @@ const cli_syntax cmd_uncertainty_syntax = {
     .usage = "FILE",
     .help =
         "Errors of the sound that is computed from a measured packing: of the first front, the moduli, the speeds of "
-        "long waves and the lowest frequencies.\v"
-        "The errors of grains, contacts and directions are independent of each other. The box and the load are exact.\n"
+        "long waves and the lowest frequencies.\vThe errors of grains, contacts and directions are independent of each "
+        "other. The box and the load are exact.\n"
         "\n"
         "With --from forces the force of each contact was measured by itself, as with photoelastic discs, and its "
         "stiffness follows from the force; positions give the directions of contacts, radii lever arms, masses and "
         "curvatures. With --from overlaps positions and radii decide which grains touch, and stiffnesses follow from "
         "the overlaps: errors must then be far below the mean overlap, which a comment tells.\n"
         "\n"
-        "value: without errors, and numerically exact beside them. t10, t_peak, peak and width are those of the "
-        "front, c is the height over t10 (one distance over its time, which is biased), C11, ... and c_l, c_t are as "
-        "in moduli, omega_n are the lowest frequencies. sd_first: standard deviation to first order, from exact "
+        "value: without errors, and numerically exact beside them. t10, t_peak, peak and width are those of the front, "
+        "c is the height over t10 (one distance over its time, which is biased), C11, ... and c_l, c_t are as in "
+        "moduli, omega_n are the lowest frequencies. sd_first: standard deviation to first order, from exact "
         "derivatives. shift_first: shift of the mean by false contacts, to first order. share_...: parts of the kinds "
-        "of errors in the square of sd_first. sd, bias: standard deviation of the drawn packings, and their mean "
-        "minus the value. sd_err, bias_err: their standard errors. linear: whether both ways agree, or unknown where "
-        "one of them is missing. If it is no, they differ by more than these errors, and sd and bias count. It is "
-        "also no if more than one in a hundred of the drawn packings has no sound, since sd and bias do not know of "
-        "these; differences of 1e-9 of the value are rounding. A comment tells how many they are, and why the first of "
-        "them has none. contacts_ratio: contacts that "
-        "carry force in the drawn packings, over those of the packing. nan: there are no derivatives, as with missing "
-        "contacts.\n"
+        "of errors in the square of sd_first. sd, bias: standard deviation of the drawn packings, and their mean minus "
+        "the value. sd_err, bias_err: their standard errors. linear: whether both ways agree, or unknown where one of "
+        "them is missing. If it is no, they differ by more than these errors, and sd and bias count. It is also no if "
+        "more than one in a hundred of the drawn packings has no sound, since sd and bias do not know of these; "
+        "differences of 1e-9 of the value are rounding. A comment tells how many they are, and why the first of them "
+        "has none. contacts_ratio: contacts that carry force in the drawn packings, over those of the packing. nan: "
+        "there are no derivatives, as with missing contacts.\n"
         "\n"
         "--by grain: of the position and radius of each grain; --by contact: of the force, stiffness and existence of "
         "each contact, where j is a grain or a wall: -1 bottom, -2 top, -3 left, -4 right, -5 front, -6 back. The "

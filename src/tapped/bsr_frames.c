@@ -10,8 +10,7 @@ sp_status sp_tapped_check_equal(const sp_tapped_spec *c, sp_error *err) {
                                sp_tapped_mass(c, i), sp_tapped_mass(c, 1));
         if (sp_tapped_radius(c, i) != sp_tapped_radius(c, 1))
             return sp_fail_key(err, SP_EINVAL, "column.radius",
-                               ": particle %d has %.17g cm, the first %.17g cm; BSR, (43)-(48), requires equal "
-                               "radii",
+                               ": particle %d has %.17g cm, the first %.17g cm; BSR, (43)-(48), requires equal radii",
                                i, sp_tapped_radius(c, i), sp_tapped_radius(c, 1));
     }
     return SP_OK;

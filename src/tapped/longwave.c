@@ -202,9 +202,8 @@ static sp_status choose_time_step(const sp_tapped_spec *c, longwave *p, sp_error
     if (c->time_step > bound * (1 + 1e-9))
         return sp_fail_key(
             err, SP_EINVAL, "column.time_step",
-            " = %.17g s: the long wave is stable up to %.6g s, the smaller of %.3g s, for its "
-            "elastic waves, and 2.5 m/(12 K e alpha_v delta), for their damping at an overlap delta = %.3g "
-            "cm; 0 chooses a stable one",
+            " = %.17g s: the long wave is stable up to %.6g s, the smaller of %.3g s, for its elastic waves, and 2.5 "
+            "m/(12 K e alpha_v delta), for their damping at an overlap delta = %.3g cm; 0 chooses a stable one",
             c->time_step, bound, elastic_bound(p), overlap);
     p->time_step = c->time_step > 0 ? c->time_step : 0.05 / sqrt(p->stiffness / p->mass);
     return SP_OK;

@@ -67,9 +67,8 @@ sp_status sp_tapped_symbol_at(const sp_tapped_spec *c, sp_tapped_model model, do
     if (!(k > 0 && isfinite(k) && alpha > 0 && isfinite(alpha) && isfinite(slope)))
         return sp_fail(
             err, SP_EINVAL,
-            "column: wave at k = %g /cm, alpha = %g /cm, slope %g: k and alpha must be positive, all must be "
-            "finite",
-            k, alpha, slope);
+            "column: wave at k = %g /cm, alpha = %g /cm, slope %g: k and alpha must be positive, all must be finite", k,
+            alpha, slope);
     if (model == SP_TAPPED_LONGWAVE) {
         *out = longwave(c, slope, k);
         return SP_OK;

@@ -252,8 +252,7 @@ static sp_status check_distinct(const sp_design_problem *d, const sp_network *ne
     sp_signal_free(&s);
     if (status == SP_OK && found[0].t_peak != found[1].t_peak)
         return sp_fail(err, SP_EREFUSED,
-                       "the first peak is not distinct: one at t = %.6g has between %.2g and %.2g of "
-                       "the largest force",
+                       "the first peak is not distinct: one at t = %.6g has between %.2g and %.2g of the largest force",
                        found[0].t_peak, 0.2 / 1.5, 0.2 * 1.5);
     return status;
 }

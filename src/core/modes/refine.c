@@ -229,8 +229,7 @@ sp_status sp_zeros_count(const sp_network *net, int64_t count, const sp_ritz *ri
         if (!(lambda - error > limit))
             return sp_fail(
                 err, SP_EREFUSED,
-                "it cannot be decided whether a mode of omega^2 = %.6g, known to %.2g, is a zero mode (below "
-                "%.3g)",
+                "it cannot be decided whether a mode of omega^2 = %.6g, known to %.2g, is a zero mode (below %.3g)",
                 lambda, error, limit);
     }
     *zeros = found;

@@ -447,8 +447,7 @@ static const char *wall_of(bool source) { return source ? "bottom" : "top"; }
 static sp_status wrong(const char *text, bool source, sp_error *err) {
     return sp_fail(err, SP_EINVAL,
                    "%.60s: must be %s, part:X0:X1 with X0 below X1, disc:X:Y:DIAMETER, plane:Y or grain:I, optionally "
-                   "followed by :normal or "
-                   ":shear",
+                   "followed by :normal or :shear",
                    text, wall_of(source));
 }
 

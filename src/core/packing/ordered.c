@@ -148,8 +148,7 @@ sp_status sp_triangular_make(const sp_pack_spec *spec, sp_packing *out, sp_error
     const double d = spec->diameter_max;
     if (spec->diameter_min != d)
         return sp_fail(err, SP_EINVAL,
-                       "packing.diameter_min = %g: must be packing.diameter_max = %g in a perfect "
-                       "lattice",
+                       "packing.diameter_min = %g: must be packing.diameter_max = %g in a perfect lattice",
                        spec->diameter_min, d);
     lattice l;
     sp_packing p = sp_packing_none();

@@ -120,8 +120,7 @@ static sp_status check_sizes(const sp_pack_spec *given, const sp_pack_spec *s, s
         return check_list(given, err);
     if (s->diameters && s->diameter_count > 0)
         return sp_fail_key(err, SP_EINVAL, "packing.sizes",
-                           " = \"%s\": must be \"list\" where packing.diameters or packing.diameter_file is "
-                           "given",
+                           " = \"%s\": must be \"list\" where packing.diameters or packing.diameter_file is given",
                            laws[s->sizes]);
     if (s->sizes == SP_SIZES_TYPES)
         return check_given_limits(given, err);
@@ -188,8 +187,7 @@ static sp_status check_motion(const sp_pack_spec *s, sp_error *err) {
     const double slack = 1 + 1e-9;
     if (s->tolerance > 0.1 * slack * s->pressure)
         return sp_fail_key(err, SP_EINVAL, "packing.tolerance",
-                           " = %g: must be at most 0.1 of packing.pressure = %g, above which no packing "
-                           "is at rest",
+                           " = %g: must be at most 0.1 of packing.pressure = %g, above which no packing is at rest",
                            s->tolerance, s->pressure);
     const double least = least_tolerance(s);
     if (s->tolerance < least)
@@ -229,8 +227,7 @@ static sp_status check_ordered(const sp_pack_spec *s, sp_error *err) {
                            chain ? 1 : 2, chain ? "chain" : "triangular");
     if (chain && s->compression == SP_COMPRESSION_ISOTROPIC)
         return sp_fail_key(err, SP_EINVAL, "packing.compression",
-                           " = \"isotropic\": must be \"piston\" for packing.kind = \"chain\", which "
-                           "has no sides");
+                           " = \"isotropic\": must be \"piston\" for packing.kind = \"chain\", which has no sides");
     return chain ? SP_OK : check_triangular(s, err);
 }
 
@@ -272,8 +269,7 @@ static sp_status check_piston(const sp_pack_spec *s, sp_error *err) {
     const double densest = s->dim == 2 ? 0.45 : 0.3;
     if (s->gas_fraction > densest)
         return sp_fail_key(err, SP_EINVAL, "packing.gas_fraction",
-                           " = %g: must be at most %g in %d dimensions, grains placed at "
-                           "random jam at %g",
+                           " = %g: must be at most %g in %d dimensions, grains placed at random jam at %g",
                            s->gas_fraction, densest, s->dim, s->dim == 2 ? 0.547 : 0.38);
     status = check_layer(s, err);
     if (status == SP_OK && s->cell == SP_CELL_PISTON)

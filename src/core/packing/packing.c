@@ -79,8 +79,7 @@ sp_status sp_packing_need_law(const sp_packing *p, const char *what, sp_error *e
         return SP_OK;
     return sp_fail(
         err, SP_EREFUSED,
-        "%s needs the contact law: must be spheres of unit density in Hertz-Mindlin contact, and this packing "
-        "has %s",
+        "%s needs the contact law: must be spheres of unit density in Hertz-Mindlin contact, and this packing has %s",
         what, p->mass ? "masses of its own" : "contacts whose stiffness is given");
 }
 

@@ -326,9 +326,8 @@ static sp_status check_periods(const compression *run, sp_error *err) {
         if (!(d->period[a] > narrowest) && run->period_end[a] == 0 && run->lateral_free)
             return sp_fail(
                 err, SP_EFAILED,
-                "packing.grains = %d: too few for packing.compression = \"isotropic\" in this box: the sides "
-                "have come as near as %.3g, must stay above %.3g (two of the largest grains and the gaps "
-                "around them)",
+                "packing.grains = %d: too few for packing.compression = \"isotropic\" in this box: the sides have come "
+                "as near as %.3g, must stay above %.3g (two of the largest grains and the gaps around them)",
                 d->n, d->period[a], narrowest);
     return SP_OK;
 }

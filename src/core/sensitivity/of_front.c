@@ -75,9 +75,7 @@ static sp_status find_root(search *s, const char *what, double guess, int order,
         return status;
     if (!((low_value - level) * (value - level) < 0))
         return sp_fail(err, SP_EREFUSED,
-                       "front: no single %s near t = %g on the continuous signal; more points are "
-                       "needed",
-                       what, guess);
+                       "front: no single %s near t = %g on the continuous signal; more points are needed", what, guess);
     for (int step = 0; step < STEPS_MAX && status == SP_OK; step++) {
         double slope_error;
         status = evaluate(s, t, order, &value, &off, err);

@@ -21,8 +21,7 @@ static const struct {
     const char *unit, *keys;
 } values[] = {
     {"d", "edge_x edge_y edge_z height node distance distance_err position radius overlap packing.width packing.depth "
-          "packing.height "
-          "packing.diameter_min packing.diameter_max"},
+          "packing.height packing.diameter_min packing.diameter_max"},
     {"E*", "pressure C11 C12 C22 C33 C33_mean C33_sd K K_mean K_sd G G_mean G_sd G_pure G_pure_mean G_pure_sd C_err "
            "packing.pressure"},
     {TIME, "until step t window_low window_high"},

@@ -34,8 +34,7 @@ sp_status sp_reader_check_material(sp_reader *r) {
         if (given_by(r, keys[k]) == 0)
             return sp_fail_key(
                 r->err, SP_EINVAL, keys[k],
-                ": is missing: a material is { E = 70e9; nu = 0.22; rho = 2500; d = 1e-3; } (Pa, kg/m^3, "
-                "m)");
+                ": is missing: a material is { E = 70e9; nu = 0.22; rho = 2500; d = 1e-3; } (Pa, kg/m^3, m)");
     sp_status status = sp_material_check(m, r->err);
     if (status == SP_OK)
         r->scene.pack.poisson = m->poisson; /* unless packing.poisson follows */

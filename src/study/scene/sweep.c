@@ -290,8 +290,7 @@ static sp_status find_key(const sp_reader *r, const char *key, const sp_field **
         const sp_field *near = sp_field_nearest(group, dot ? dot + 1 : key);
         const bool hint = near && !sp_field_not_swept(near);
         return sp_fail_key(r->err, SP_EINVAL, "study.sweep",
-                           ": key \"%.60s\" is unknown: must be a key of packing or network, or "
-                           "signal.source%s%s%s",
+                           ": key \"%.60s\" is unknown: must be a key of packing or network, or signal.source%s%s%s",
                            key, hint ? " (did you mean " : "", hint ? near->key : "", hint ? "?)" : "");
     }
     *out = f;

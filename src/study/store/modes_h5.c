@@ -127,8 +127,7 @@ static const char *const solvers[] = {"auto", "lanczos", "arpack", "dense", NULL
 
 static const sp_h5_name name_vector_error = {
     "/modes/vector_error", "1",
-    "upper bound of |e - exact|, one for each row of vector; 1.41: not determined, "
-    "for other modes nearly coincide"};
+    "upper bound of |e - exact|, one for each row of vector; 1.41: not determined, for other modes nearly coincide"};
 
 static const sp_h5_shape single = {0};
 
@@ -290,8 +289,7 @@ static void get_head(sp_h5 *h, const sp_packing *p, sp_modes_file *f) {
         sp_h5_fail(h, SP_EFORMAT, "no group /modes: not a file of `sonopack modes --vectors'");
     if (sp_h5_attribute_int(h, "/modes", "format", &format) == SP_OK && format == COMPLEX_FORMAT)
         sp_h5_fail(h, SP_EFORMAT,
-                   "modes that may grow; must be a table of one, of `sonopack modes --vectors FILE.tsv "
-                   "--mode N'");
+                   "modes that may grow; must be a table of one, of `sonopack modes --vectors FILE.tsv --mode N'");
     if (h->status == SP_OK && format != MODES_FORMAT)
         sp_h5_fail(h, SP_EFORMAT, "format %lld of /modes; this version reads format %d", (long long)format,
                    MODES_FORMAT);

@@ -156,8 +156,7 @@ enum { OPTIONAL_FIELDS = sizeof optional_field / sizeof *optional_field };
 /* Parts that failed, with the reason of the first. */
 static const sp_h5_field lacks_field[] = {
     SAMPLE(lacks, SP_H5_I32, "1",
-           "parts that could not be made: 1 front, 2 statics, 4 moduli, 8 signal, 16 probes, 32 planes, "
-           "128 spectrum"),
+           "parts that could not be made: 1 front, 2 statics, 4 moduli, 8 signal, 16 probes, 32 planes, 128 spectrum"),
     SAMPLE(lacks_signal, SP_H5_U64, "1", "hash of the signal's keys with which signal and planes were tried"),
 };
 enum { LACKS_FIELDS = sizeof lacks_field / sizeof *lacks_field };
