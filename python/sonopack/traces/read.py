@@ -220,6 +220,8 @@ def _numbers(path: str, lines: Sequence[str], form: _Layout) -> Floats:
 def _title(texts: Sequence[str]) -> tuple[str, str]:
     """Name and unit of a column, of the cells above it, from below: "Time(s)"; "second"; "(ms)" below "Time"."""
     unit = ""
+    if list(texts) == ["A"]:
+        return "A", ""  # a channel, as B beside it
     for text in texts:
         text = re.sub(r"^(t|time|zeit|temps|tiempo|tempo)\s*/\s*(\S+)$", r"\1 (\2)", text, flags=re.I)
         found = re.search(r"[(\[]\s*([^)\]]+?)\s*[)\]]", text)

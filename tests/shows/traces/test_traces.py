@@ -308,6 +308,8 @@ def test_command(tmp_path, sonopack):
     (tmp_path / "m.csv").write_text("t(us),F(N)\n" + rows("{},{}\n", own["t"] * 0.2 + 10, own["F"] + 1e-9 * np.sin(np.arange(own.rows) ** 2)))
     sonopack("trace", "m.csv", "--trigger", "10us", "--against", "one.tsv", "--material", GLASS, "-o", "fit.tsv", "-q")
     assert Table.read(tmp_path / "fit.tsv").number("E*") == pytest.approx(2500 * (1e-3 / 0.2e-6) ** 2, rel=1e-3)
+    (tmp_path / "ab.csv").write_text("t(us),A,B\n" + rows("{},{},{}\n", T * 1e6, A, B))
+    assert [trace.channel for trace in read(str(tmp_path / "ab.csv"))] == ["A", "B"]
     k = np.arange(400)
     (tmp_path / "sign.csv").write_text("t(us),F\n" + rows("{},{}\n", k, np.exp(-((k - 200) / 20) ** 2) - 0.6 * np.exp(-((k - 260) / 20) ** 2)))
     for column, told in (("F=2", False), ("F=-2", True)):
