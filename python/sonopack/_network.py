@@ -281,9 +281,7 @@ class Network(_fields.Network):
     @documented("sp_ring_moduli_make")
     def ring_moduli(self) -> _records.RingModuli:
         """Moduli by what two rings feel when the inner one grows or turns."""
-        out = ffi.new("sp_ring_moduli *")
-        call(lib.sp_ring_moduli_make, self._c, out)
-        return _core.record(_records.RingModuli, out, self.packing.material)
+        return self._record(_records.RingModuli, lib.sp_ring_moduli_make, self._c)
 
     @documented("sp_local_moduli_make")
     def local_moduli(self, width: float) -> LocalModuli:

@@ -311,9 +311,7 @@ class Packing(_core.Drawn, _fields.Packing):
     @documented("sp_ring_statics_make")
     def ring_statics(self, threshold: float = 1e-4) -> RingStatics:
         """Stresses of a packing between two rings, on polar axes, and at the rings."""
-        out = ffi.new("sp_ring_statics *")
-        call(lib.sp_ring_statics_make, self._c, threshold, out)
-        return _core.record(RingStatics, out, self.material)
+        return _core.made(RingStatics, self.material, lib.sp_ring_statics_make, self._c, threshold)
 
     @documented("sp_packing_rattlers")
     def rattlers(self, threshold: float = 1e-4) -> npt.NDArray[np.bool_]:
